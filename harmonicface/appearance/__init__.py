@@ -1,0 +1,1 @@
+"""Surface x light: harmonic images, rendering, the camera's noise."""

@@ -1,0 +1,1 @@
+"""Speed against error: the main job, measured and reported."""

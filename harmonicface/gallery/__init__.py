@@ -1,0 +1,1 @@
+"""The gallery: enrol people, match photographs."""

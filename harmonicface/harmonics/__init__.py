@@ -1,0 +1,1 @@
+"""The sphere: harmonics, their indices, quadrature."""

@@ -1,0 +1,1 @@
+"""Files to linear arrays and back; nothing else in the package opens pixels."""

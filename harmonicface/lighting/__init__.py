@@ -1,0 +1,1 @@
+"""Light: named lights, harmonic light, environment maps."""

@@ -1,0 +1,1 @@
+"""Whose face is it: subspaces and the methods they are compared with."""

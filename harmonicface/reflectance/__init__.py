@@ -1,0 +1,1 @@
+"""Materials: how a surface filters the light that falls on it."""

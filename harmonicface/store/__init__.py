@@ -1,0 +1,1 @@
+"""Named arrays on disk; knows nothing of faces."""
