@@ -18,6 +18,8 @@ Integers = NDArray[np.integer[Any]]
 LARGEST_TILE = 64  # pixels a side; larger triangles are cut into tiles so that memory stays bounded
 CANDIDATES = 1 << 19  # pixels that are tested at once: 4 MB an edge, which stays near the processor's cache
 TILES = 1 << 18  # tiles that are listed at once
+SLIVER = 1e-12  # of the longest side squared: below this the area is rounding error
+NOTHING = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,13 +116,12 @@ def rasterize(points: ArrayLike, faces: ArrayLike, shape: tuple[int, int]) -> Ra
         raise HarmonicFaceError(f"points: expected shape (n, 3), got {_validate.describe(vertices)}")
     corners = checked_faces(faces, len(vertices))
     triangles = _Triangles.of(vertices, corners, shape)
-    pixels = shape[0] * shape[1]
-    nearest = np.full(pixels, -np.inf)
-    seen = np.full(pixels, len(corners), dtype=np.int64)
+    nearest = np.full(shape[0] * shape[1], -np.inf)
+    seen = np.full(nearest.shape, NOTHING)
     for tiles in triangles.tiles():
-        for pixel, job in _covered(triangles, tiles, shape[1]):
-            _resolve(nearest, seen, pixel, triangles.number[job], triangles.depth(job, pixel, shape[1]))
-    return triangles.raster(seen, shape, len(corners))
+        for pixel, job, depth in _covered(triangles, tiles, shape[1]):
+            _resolve(nearest, seen, pixel, job, depth)
+    return triangles.raster(seen, shape)
 
 
 def checked_faces(faces: ArrayLike, vertices: int) -> Integers:
@@ -138,33 +139,35 @@ class _Triangles:
     """The triangles that may be seen: number in the list, edges, depth of corners, box of pixels."""
 
     number: NDArray[np.int64]
-    start: NDArray[np.float64]  # (3, t, 2): edge k faces corner k; the end of it that comes first in x, then y
-    along: NDArray[np.float64]  # (3, t, 2): from there to the other end, times the sign that makes inside positive
+    edges: NDArray[
+        np.float64
+    ]  # (t, 4, 3): x, y where edge k (facing corner k) starts; dx, dy along it, inside positive
+    area: NDArray[np.float64]  # (t,): twice the area
     z: NDArray[np.float64]  # (t, 3)
     box: NDArray[np.int64]  # (t, 4): first column and row, last column and row, within the picture
 
     @classmethod
     def of(cls, points: NDArray[np.float64], faces: Integers, shape: tuple[int, int]) -> _Triangles:
-        xy = points[:, :2]
-        low = np.minimum(np.minimum(xy[faces[:, 0]], xy[faces[:, 1]]), xy[faces[:, 2]])
-        high = np.maximum(np.maximum(xy[faces[:, 0]], xy[faces[:, 1]]), xy[faces[:, 2]])
+        low, high = points[faces[:, 0], :2], points[faces[:, 0], :2]
+        for corner in (1, 2):
+            low = np.minimum(low, points[faces[:, corner], :2])
+            high = np.maximum(high, points[faces[:, corner], :2])
         limits = np.array([shape[1], shape[0]], dtype=np.float64)
         first = np.clip(np.ceil(low - 0.5), 0, limits)
         last = np.clip(np.floor(high - 0.5), -1, limits - 1)
-        number = np.flatnonzero((first <= last).all(axis=1))
-        corners = faces[number]
-        start, along, area = _edges(xy, corners)
-        keep = area != 0
+        number = np.flatnonzero((first[:, 0] <= last[:, 0]) & (first[:, 1] <= last[:, 1]))
+        corners = points[faces[number]]
+        edges, area = _edges(corners[..., 0], corners[..., 1])
+        longest = (edges[:, 2] ** 2 + edges[:, 3] ** 2).max(axis=1, initial=0.0)
+        keep = np.abs(area) > SLIVER * longest
+        edges[:, 2:] *= np.sign(area)[:, None, None]
         box = np.concatenate([first[number], last[number]], axis=1).astype(np.int64)
-        along *= np.sign(area)[:, None]
-        z = points[:, 2][corners]
-        return cls(number[keep], start[:, keep], along[:, keep], z[keep], box[keep])
+        return cls(number[keep], edges[keep], np.abs(area[keep]), corners[keep, :, 2], box[keep])
 
     def tiles(self) -> Iterator[NDArray[np.int64]]:
         """Yield lists of tiles (job, column, row, width, height), at most about TILES at once."""
-        sides = self.box[:, 2:] - self.box[:, :2] + 1
-        counts = -(-sides // LARGEST_TILE)
-        total = np.cumsum(counts.prod(axis=1))
+        counts = -(-(self.box[:, 2:] - self.box[:, :2] + 1) // LARGEST_TILE)
+        total = np.cumsum(counts[:, 0] * counts[:, 1])
         begin = 0
         while begin < len(total):
             done = total[begin - 1] if begin else 0
@@ -174,7 +177,7 @@ class _Triangles:
 
     def _cut(self, jobs: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the tiles of some triangles, row by row; one tile for most of them."""
-        many = counts.prod(axis=1)
+        many = counts[:, 0] * counts[:, 1]
         job = np.repeat(jobs, many)
         place = np.arange(len(job)) - np.repeat(np.cumsum(many) - many, many)
         across = np.repeat(counts[:, 0], many)
@@ -182,51 +185,38 @@ class _Triangles:
         side = np.minimum(self.box[job, 2:] - corner + 1, LARGEST_TILE)
         return np.concatenate([job[:, None], corner, side], axis=1)
 
-    def edge_values(self, job: Integers, pixel: Integers, width: int) -> NDArray[np.float64]:
-        """Return the three edge functions at pixel centres, (3, p)."""
-        x, y = pixel % width + 0.5, pixel // width + 0.5
-        start, along = self.start[:, job], self.along[:, job]
-        values: NDArray[np.float64] = along[..., 0] * (y - start[..., 1]) - along[..., 1] * (x - start[..., 0])
-        return values
-
-    def depth(self, job: Integers, pixel: Integers, width: int) -> NDArray[np.float64]:
-        """Return the depth of triangles at pixel centres inside them, (p,)."""
-        values = self.edge_values(job, pixel, width)
-        total = values.sum(axis=0)
-        with np.errstate(invalid="ignore"):  # a sliver may vanish in rounding: NaN is never nearest
-            return np.asarray((values.T * self.z[job]).sum(axis=1) / total)
-
-    def raster(self, seen: NDArray[np.int64], shape: tuple[int, int], nothing: int) -> Raster:
+    def raster(self, seen: NDArray[np.int64], shape: tuple[int, int]) -> Raster:
         """Return the picture of the nearest triangles."""
-        pixel = np.flatnonzero(seen < nothing)
-        job = np.searchsorted(self.number, seen[pixel])
-        values = self.edge_values(job, pixel, shape[1])
-        values /= values.sum(axis=0)
-        triangle = np.full(shape, -1, dtype=np.int32)
-        weights = np.zeros((*shape, 3))
-        depth = np.full(shape, np.nan)
-        triangle.flat[pixel] = seen[pixel]
-        weights.reshape(-1, 3)[pixel] = values.T
-        depth.flat[pixel] = (values.T * self.z[job]).sum(axis=1)
-        return Raster(triangle, weights, depth)
+        pixel = np.flatnonzero(seen < NOTHING)
+        job = seen[pixel]
+        row, column = np.divmod(pixel, shape[1])
+        x, y, dx, dy = self.edges[job].transpose(1, 0, 2)
+        weights = dx * (row[:, None] + 0.5 - y) - dy * (column[:, None] + 0.5 - x)
+        weights /= (weights[:, 0] + weights[:, 1] + weights[:, 2])[:, None]
+        result = Raster(np.full(shape, -1, dtype=np.int32), np.zeros((*shape, 3)), np.full(shape, np.nan))
+        result.triangle.flat[pixel] = self.number[job]
+        result.weights.reshape(-1, 3)[pixel] = weights
+        result.depth.flat[pixel] = np.einsum("pk,pk->p", weights, self.z[job])
+        return result
 
 
-def _edges(
-    xy: NDArray[np.float64], corners: Integers
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return start and direction of the edge that faces each corner, (3, t, 2), and twice the signed area, (t,)."""
-    p = xy[corners].transpose(1, 0, 2)
-    tail, head = p[[1, 2, 0]], p[[2, 0, 1]]
-    swap = (tail[..., 0] > head[..., 0]) | ((tail[..., 0] == head[..., 0]) & (tail[..., 1] > head[..., 1]))
-    start = np.where(swap[..., None], head, tail)
-    a, b = p[1] - p[0], p[2] - p[0]
-    return start, head - tail, a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+def _edges(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return start and direction of the edge that faces each corner, (t, 4, 3), and twice the signed area, (t,).
+
+    The start is the end that comes first in x, then y, whichever triangle asks.
+    """
+    tail, head = [1, 2, 0], [2, 0, 1]
+    swap = (x[:, tail] > x[:, head]) | ((x[:, tail] == x[:, head]) & (y[:, tail] > y[:, head]))
+    dx, dy = x[:, head] - x[:, tail], y[:, head] - y[:, tail]
+    start_x, start_y = np.where(swap, x[:, head], x[:, tail]), np.where(swap, y[:, head], y[:, tail])
+    area = dx[:, 2] * dy[:, 0] - dy[:, 2] * dx[:, 0]
+    return np.stack([start_x, start_y, dx, dy], axis=1), area
 
 
 def _covered(
     triangles: _Triangles, tiles: NDArray[np.int64], width: int
-) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Yield the pixels inside triangles and whose they are, for tiles of about the same size at a time."""
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]]:
+    """Yield the pixels inside triangles, whose they are and how deep, for tiles of about the same size at a time."""
     padded = np.ceil(np.log2(tiles[:, 3:])).astype(np.int64)
     kind = padded[:, 0] * 8 + padded[:, 1]
     order = np.argsort(kind, kind="stable")
@@ -239,33 +229,42 @@ def _covered(
 
 def _inside(
     triangles: _Triangles, tiles: NDArray[np.int64], columns: int, rows: int, width: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the pixels of tiles whose three edge functions are at least 0, and the triangle of each."""
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Return the pixels of tiles whose three edge functions are at least 0, and the triangle and depth of each.
+
+    An edge function is what depends on the row minus what depends on the column, and so is the depth.
+    """
     job, x0, y0, tile_width, tile_height = tiles.T
-    x, y = np.arange(columns), np.arange(rows)
-    start, along = triangles.start[:, job], triangles.along[:, job]
-    vertical = along[..., :1] * ((y0[:, None] + y + 0.5) - start[..., 1:])
-    horizontal = along[..., 1:] * ((x0[:, None] + x + 0.5) - start[..., :1])
-    within = (y < tile_height[:, None])[:, :, None] & (x < tile_width[:, None])[:, None, :]
+    across, down = np.arange(columns), np.arange(rows)
+    x, y, dx, dy = triangles.edges[job].transpose(1, 2, 0)[..., None]
+    vertical = dx * ((y0[:, None] + down + 0.5) - y)
+    horizontal = dy * ((x0[:, None] + across + 0.5) - x)
+    within = (down < tile_height[:, None])[:, :, None] & (across < tile_width[:, None])[:, None, :]
     for edge in range(3):
         # v >= h and v - h >= 0 are the same in floating point, and the former needs no array of differences
         within &= vertical[edge][:, :, None] >= horizontal[edge][:, None, :]
-    tile, row, column = np.nonzero(within)
-    return (y0[tile] + row) * width + x0[tile] + column, job[tile]
+    found = np.flatnonzero(within)
+    tile, place = np.divmod(found, rows * columns)
+    row, column = np.divmod(place, columns)
+    z = triangles.z[job]
+    slope = ((z - z[:, :1]) / triangles.area[job, None]).T[1:, :, None]
+    depth = (slope * vertical[1:]).sum(axis=0)[tile, row] - (slope * horizontal[1:]).sum(axis=0)[tile, column]
+    depth = np.clip(depth + z[tile, 0], z.min(axis=1)[tile], z.max(axis=1)[tile])
+    return (y0[tile] + row) * width + x0[tile] + column, job[tile], depth
 
 
 def _resolve(
     nearest: NDArray[np.float64],
     seen: NDArray[np.int64],
     pixel: NDArray[np.int64],
-    number: NDArray[np.int64],
+    job: NDArray[np.int64],
     depth: NDArray[np.float64],
 ) -> None:
     """Enter candidates into the z-buffer; at the same depth the lower number stays."""
-    candidate = depth >= nearest[pixel]
-    pixel, number, depth = pixel[candidate], number[candidate], depth[candidate]
+    candidate = np.flatnonzero(depth >= nearest[pixel])
+    pixel, job, depth = pixel[candidate], job[candidate], depth[candidate]
     before = nearest[pixel]
     np.maximum.at(nearest, pixel, depth)
     winner = depth == nearest[pixel]
-    seen[pixel[winner & (depth > before)]] = np.iinfo(np.int64).max
-    np.minimum.at(seen, pixel[winner], number[winner])
+    seen[pixel[winner & (depth > before)]] = NOTHING
+    np.minimum.at(seen, pixel[winner], job[winner])
