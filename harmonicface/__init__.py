@@ -1,6 +1,1 @@
-"""Recognize faces under any lighting with harmonic subspaces."""
-
-from harmonicface.errors import HarmonicFaceError
-from harmonicface.surfaces.surface import Surface
-
-__all__ = ["HarmonicFaceError", "Surface"]
+"""Recognize faces under any lighting, and measure light and shape, with harmonic subspaces."""

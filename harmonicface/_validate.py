@@ -89,13 +89,6 @@ def mask(value: ArrayLike, name: str, shape: tuple[int, int]) -> NDArray[np.bool
     return array
 
 
-def order(value: int) -> int:
-    """Return a harmonic order: an integer of at least 0."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 0:
-        raise HarmonicFaceError(f"order: expected an integer of at least 0, got {describe(value)}")
-    return int(value)
-
-
 def positive(value: float, name: str) -> float:
     """Return a finite number above zero."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
@@ -103,3 +96,19 @@ def positive(value: float, name: str) -> float:
     if not (np.isfinite(value) and value > 0):
         raise HarmonicFaceError(f"{name}: expected a finite number above 0, got {value}")
     return float(value)
+
+
+def fraction(value: float, name: str) -> float:
+    """Return a number from 0 to 1."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise HarmonicFaceError(f"{name}: expected a number from 0 to 1, got {describe(value)}")
+    if not 0 <= value <= 1:
+        raise HarmonicFaceError(f"{name}: expected a number from 0 to 1, got {value}")
+    return float(value)
+
+
+def at_least(value: int, least: int, name: str) -> int:
+    """Return an integer that is not below `least`."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+        raise HarmonicFaceError(f"{name}: expected an integer of at least {least}, got {describe(value)}")
+    return int(value)

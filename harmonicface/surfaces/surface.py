@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.io.colour import luminance
 from harmonicface.io.files import replacing
-
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green and blue (ITU-R BT.709)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -100,7 +99,7 @@ class Surface:
     def grey_albedo(self) -> Floats:
         """Albedo of the masked pixels as luminance, (p,): what a grey photograph records of a colour surface."""
         albedo = self.pixel_albedo
-        return albedo if albedo.ndim == 1 else np.asarray(albedo @ LUMINANCE.astype(albedo.dtype))
+        return albedo if albedo.ndim == 1 else luminance(albedo)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the Surface to an .npz file, bit for bit; the file is replaced whole or not at all.

@@ -1,0 +1,259 @@
+"""Gallery: enrol people, then ask whose face a photograph shows."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harmonicface import _validate
+from harmonicface._validate import Floats
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery import storage
+from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.match import Candidate, Match
+from harmonicface.gallery.ranking import rank
+from harmonicface.gallery.rows import StackedRows
+from harmonicface.lighting.light import HarmonicLight
+from harmonicface.recognition.models import subspace_model
+from harmonicface.recognition.subspace import Subspace, unit_photo
+from harmonicface.recognition.verification import DEFAULT_THRESHOLD
+from harmonicface.surfaces.surface import Surface
+
+FEWEST_PHOTOGRAPHS = 3  # fewer do not span the pictures of even a surface without shadows
+MOST_ROWS = 9
+
+
+class Gallery:
+    """People, each as the subspace of her pictures, in one frame of pixels.
+
+    Parameters
+    ----------
+    model
+        What spans the pictures of a Surface: "harmonic9" (nine images, the default), "ambient4" or "linear3".
+    mask
+        (h, w) booleans: the pixels that are compared. By default all pixels of the first person enrolled. Where
+        photographs have a background, leave it out of the mask; outside a person's own mask her images are 0.
+    threshold
+        The largest distance at which a person is named, 0 to 1: see `harmonicface.verify`.
+
+    Raises
+    ------
+    HarmonicFaceError
+        An unknown model, an empty mask, a threshold outside 0 to 1.
+
+    Examples
+    --------
+    >>> import harmonicface as hf
+    >>> gallery = hf.Gallery()
+    >>> for number, name in enumerate(["ada", "emmy", "sofia"]):
+    ...     gallery.enroll(name, hf.synthetic_person(number))
+    >>> photo = hf.render(hf.synthetic_person(1), hf.lights.directional([1, 1, 1]))
+    >>> gallery.match(photo).name
+    'emmy'
+    """
+
+    def __init__(
+        self, model: str = "harmonic9", mask: ArrayLike | None = None, threshold: float = DEFAULT_THRESHOLD
+    ) -> None:
+        self._pictures = subspace_model(model)
+        self.model = model
+        self.threshold = threshold
+        self._frame = None if mask is None else Frame.of(mask)
+        self._rows: StackedRows | None = None
+        self._sources: dict[str, str] = {}  # from what each person was enrolled: "surface" or "photographs"
+
+    @property
+    def threshold(self) -> float:
+        """The largest distance at which a person is named."""
+        return self._threshold
+
+    @threshold.setter
+    def threshold(self, value: float) -> None:
+        self._threshold = _validate.fraction(value, "threshold")
+
+    @property
+    def mask(self) -> NDArray[np.bool_] | None:
+        """The pixels that are compared; None before anybody is enrolled and without a mask given."""
+        return None if self._frame is None else self._frame.mask.copy()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Everybody, in the order of enrolment."""
+        return tuple(self._sources)
+
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory of a person's rows, on average."""
+        return 0.0 if self._rows is None or not len(self) else self._rows.array.nbytes / len(self)
+
+    def __len__(self) -> int:
+        return len(self._sources)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._sources
+
+    def __repr__(self) -> str:
+        frame = "no frame yet" if self._frame is None else "{} x {} pixels".format(*self._frame.shape)
+        return f"<Gallery of {len(self)} people, {frame}, model {self.model}>"
+
+    def enroll(self, name: str, source: Surface | ArrayLike) -> None:
+        """Add a person.
+
+        Parameters
+        ----------
+        name
+            Not empty, not yet in the gallery.
+        source
+            A Surface of the gallery's shape, or (n, h, w) photographs under n >= 3 different lights, whose span (its
+            nine strongest directions) then stands for her.
+
+        Raises
+        ------
+        HarmonicFaceError
+            A name that is taken or empty, another shape than the gallery's, fewer than three photographs, NaN,
+            nothing inside the gallery's mask.
+        """
+        if not isinstance(name, str) or not name.strip():
+            raise HarmonicFaceError(f"name: expected a text that is not empty, got {_validate.describe(name)}")
+        if name in self._sources:
+            raise HarmonicFaceError(f"name: expected one that is not in the gallery yet, got {name!r}, who is")
+        known = isinstance(source, Surface)
+        frame, images = self._from_surface(source) if isinstance(source, Surface) else self._from_photographs(source)
+        subspace = Subspace.of(images, MOST_ROWS)
+        self._frame = frame
+        if self._rows is None:
+            self._rows = StackedRows(np.empty((0, frame.pixels), np.float32))
+        self._rows.append(subspace)
+        self._sources[name] = "surface" if known else "photographs"
+
+    def remove(self, name: str) -> None:
+        """Take a person out.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name is in the gallery.
+        """
+        index = self._index(name)
+        self._stack.remove(index)
+        del self._sources[name]
+
+    def match(self, photo: ArrayLike, top: int = 5, mask: ArrayLike | None = None) -> Match:
+        """Rank the people by how well they explain a photograph under some light.
+
+        Parameters
+        ----------
+        photo
+            (h, w) or (h, w, 3) linear intensities of the gallery's shape, in any unit; colour is taken as luminance.
+        top
+            How many candidates to return, at least 1.
+        mask
+            (h, w) booleans, false where the photograph is bad: burnt out, hidden, not the face. Every person is then
+            projected through this mask, which takes longer.
+
+        Returns
+        -------
+        Match
+            `.name` is None when the nearest person is farther than the threshold.
+
+        Raises
+        ------
+        HarmonicFaceError
+            An empty gallery, another shape, NaN or infinity, a photograph that is all 0, an empty mask.
+        """
+        count = _validate.at_least(top, 1, "top")
+        if self._frame is None or not len(self):
+            raise HarmonicFaceError("match: expected a gallery with somebody in it, got an empty one")
+        pixels = self._frame.take(photo, "photo")
+        good = np.ones(len(pixels), np.bool_)
+        if mask is not None:
+            shared = self._frame.mask & _validate.mask(mask, "mask", self._frame.shape)
+            good = _validate.mask(shared, "mask inside the gallery's mask", self._frame.shape)[self._frame.mask]
+        ranked = rank(self._stack, unit_photo(pixels[good], int(good.sum())), good, count)
+        distance, best = ranked[0]
+        names = self.names
+        return Match(
+            name=names[best] if distance <= self.threshold else None,
+            distance=distance,
+            threshold=self.threshold,
+            light=self._light(best, pixels[good], good),
+            candidates=tuple(Candidate(names[index], value) for value, index in ranked),
+        )
+
+    def reconstruct(self, name: str, photo: ArrayLike) -> Floats:
+        """Return the picture of a person that is nearest to a photograph, (h, w), 0 outside the gallery's mask.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name, another shape, NaN or infinity.
+        """
+        index = self._index(name)
+        assert self._frame is not None
+        return self._frame.picture(self._stack.subspace(index).nearest(self._frame.take(photo, "photo")))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the gallery to one file, replaced whole or not at all.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody is in it, or the file cannot be written.
+        """
+        if self._frame is None or not len(self):
+            raise HarmonicFaceError("save: expected a gallery with somebody in it, got an empty one")
+        storage.write(
+            path, storage.Contents(self.model, self.threshold, self._frame.mask, self._stack, dict(self._sources))
+        )
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str]) -> Gallery:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        HarmonicFaceError
+            The file is missing, damaged, of another kind or of a version that this one does not know.
+        """
+        contents = storage.read(path)
+        gallery = cls(contents.model, contents.mask, contents.threshold)
+        gallery._rows = contents.rows
+        gallery._sources = dict(contents.sources)
+        return gallery
+
+    def _from_surface(self, surface: Surface) -> tuple[Frame, Floats]:
+        """Return the pictures that span a person, in the gallery's frame or, for the first person, in her own."""
+        frame = self._frame or Frame(np.ones(surface.shape, np.bool_))
+        return frame, frame.place(self._pictures(surface), surface.mask)
+
+    def _from_photographs(self, photographs: ArrayLike) -> tuple[Frame, Floats]:
+        stack = _validate.floats(photographs, "photographs")
+        if stack.ndim not in (3, 4) or len(stack) < FEWEST_PHOTOGRAPHS or stack.size == 0:
+            expected = f"a Surface, or at least {FEWEST_PHOTOGRAPHS} photographs of shape (n, h, w)"
+            raise HarmonicFaceError(f"source: expected {expected}, got {_validate.describe(stack)}")
+        frame = self._frame or Frame(np.ones(stack.shape[1:3], np.bool_))
+        return frame, np.stack([frame.take(photo, "photographs") for photo in stack])
+
+    def _light(self, index: int, pixels: Floats, good: NDArray[np.bool_]) -> HarmonicLight | None:
+        """Return the light of a photograph, if this person was enrolled with geometry."""
+        if self._sources[self.names[index]] != "surface":
+            return None
+        subspace = self._stack.subspace(index)
+        if not good.all():
+            subspace = subspace.restrict(good)
+        coefficients = subspace.coefficients(pixels)
+        if self.model == "linear3":  # it has no picture for ambient light
+            coefficients = np.concatenate([[0.0], coefficients])
+        return HarmonicLight(coefficients)
+
+    @property
+    def _stack(self) -> StackedRows:
+        assert self._rows is not None, "somebody is enrolled"
+        return self._rows
+
+    def _index(self, name: str) -> int:
+        if name not in self._sources:
+            raise HarmonicFaceError(f"name: expected somebody in the gallery, got {name!r}, who is not")
+        return self.names.index(name)

@@ -1,0 +1,88 @@
+"""A gallery as one file: what is in it, and what it must be to be believed."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.rows import StackedRows
+from harmonicface.recognition.models import SUBSPACE_MODELS
+from harmonicface.store.archive import read_arrays, write_arrays
+
+FORMAT = "harmonicface gallery"
+VERSION = 1
+SOURCES = ("surface", "photographs")
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """What a gallery file holds."""
+
+    model: str
+    threshold: float
+    mask: NDArray[np.bool_]
+    rows: StackedRows
+    sources: dict[str, str]
+
+
+def write(path: str | os.PathLike[str], contents: Contents) -> None:
+    """Write a gallery, replacing the file whole."""
+    matrices = contents.rows.to_coefficients
+    arrays: dict[str, NDArray[Any]] = {
+        "mask": contents.mask,
+        "rows": contents.rows.array,
+        "to_coefficients": np.concatenate([matrix.ravel() for matrix in matrices]),
+        "shapes": np.array([matrix.shape for matrix in matrices], np.int64),
+    }
+    about = {"model": contents.model, "threshold": contents.threshold, "people": list(contents.sources.items())}
+    write_arrays(path, arrays, {"format": FORMAT, "version": str(VERSION), "about": json.dumps(about)})
+
+
+def read(path: str | os.PathLike[str]) -> Contents:
+    """Read a gallery.
+
+    Raises
+    ------
+    HarmonicFaceError
+        The file is missing, damaged, of another kind, of another version, or contradicts itself.
+    """
+    arrays, header = read_arrays(path)
+    if header.get("format") != FORMAT:
+        raise HarmonicFaceError(f"{path}: expected a {FORMAT}, got a file of {header.get('format', 'another kind')!r}")
+    if header.get("version") != str(VERSION):
+        got = header.get("version")
+        raise HarmonicFaceError(f"{path}: expected version {VERSION} of the gallery format, got version {got}")
+    try:
+        return _contents(arrays, json.loads(header["about"]))
+    except (KeyError, TypeError, ValueError, IndexError):
+        raise HarmonicFaceError(f"{path}: expected a gallery that agrees with itself, got one that does not") from None
+
+
+def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Contents:
+    """Put the parts together; any contradiction between them raises ValueError."""
+    mask, rows, shapes = arrays["mask"], arrays["rows"], arrays["shapes"]
+    sources = {str(name): str(source) for name, source in about["people"]}
+    sizes = shapes[:, 0] * shapes[:, 1]
+    matrices = np.split(arrays["to_coefficients"], np.cumsum(sizes)[:-1])
+    agrees = (
+        mask.ndim == 2
+        and mask.dtype == np.bool_
+        and rows.dtype == np.float32
+        and rows.shape == (shapes[:, 0].sum(), mask.sum())
+        and shapes.min() >= 1
+        and len(sources) == len(about["people"]) == len(shapes)
+        and set(sources.values()) <= set(SOURCES)
+        and about["model"] in SUBSPACE_MODELS
+        and 0 <= float(about["threshold"]) <= 1
+        and bool(np.isfinite(rows).all() and np.isfinite(arrays["to_coefficients"]).all())
+    )
+    if not agrees:
+        raise ValueError("the parts of the gallery contradict each other")
+    people = [matrix.reshape(shape) for matrix, shape in zip(matrices, shapes, strict=True)]
+    return Contents(about["model"], float(about["threshold"]), mask, StackedRows(rows, people), sources)
