@@ -1,0 +1,67 @@
+"""The 3x3 normal equations of photometric stereo, solved for all pixels at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harmonicface._validate import Floats
+
+_ROWS, _COLUMNS = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])  # upper triangle of a symmetric matrix
+_SINGULAR = 1e-12  # of the determinant over the cube of the trace: beyond what float64 resolves
+
+
+def scaled_normals(
+    observations: Floats, lights: Floats, weights: ArrayLike | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    r"""Return albedo times normal of each pixel by weighted least squares, and how much noise its lights amplify.
+
+    Each pixel's b minimizes `sum_i w_i (I_i - b . l_i)**2`, so `G b = sum_i w_i I_i l_i` with the 3x3 matrix
+    `G = sum_i w_i l_i l_i'`. Noise of standard deviation s in the images leaves an error of root mean square
+    `s * sqrt(trace(inverse(G)))` in b (weights 0 and 1); the gain is that factor for lights of brightness 1.
+
+    Parameters
+    ----------
+    observations
+        (n, p) intensities.
+    lights
+        (n, 3) directions to the lights, times their brightness, none of them zero.
+    weights
+        (n, p) weights of at least 0, or booleans; all 1 by default.
+
+    Returns
+    -------
+    scaled
+        (p, 3) albedo times normal; 0 where the matrix is singular.
+    gain
+        (p,) the noise's amplification; infinite where the matrix is singular.
+
+    Examples
+    --------
+    >>> scaled, gain = scaled_normals(np.array([[0.1], [0.2], [0.4]]), np.eye(3))
+    >>> scaled, gain.round(3)
+    (array([[0.1, 0.2, 0.4]]), array([1.732]))
+    """
+    observations = np.asarray(observations, np.float64)
+    weights = np.ones_like(observations) if weights is None else np.asarray(weights, np.float64)
+    products = lights[:, _ROWS] * lights[:, _COLUMNS]
+    xx, xy, xz, yy, yz, zz = products.T @ weights
+    right = lights.T @ (weights * observations)
+    cofactors = np.stack([yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy])
+    determinant = xx * cofactors[0] + xy * cofactors[1] + xz * cofactors[2]
+    diagonal = np.stack([cofactors[0], xx * zz - xz * xz, xx * yy - xy * xy])
+    corner = xy * xz - xx * yz
+    regular = determinant > _SINGULAR * (xx + yy + zz) ** 3
+    inverse = np.divide(1.0, determinant, out=np.zeros_like(determinant), where=regular)
+    scaled = np.stack(
+        [
+            diagonal[0] * right[0] + cofactors[1] * right[1] + cofactors[2] * right[2],
+            cofactors[1] * right[0] + diagonal[1] * right[1] + corner * right[2],
+            cofactors[2] * right[0] + corner * right[1] + diagonal[2] * right[2],
+        ],
+        axis=1,
+    )
+    scaled *= inverse[:, None]
+    brightness = np.sqrt(products[:, [0, 3, 5]].sum() / len(lights))
+    gain = np.where(regular, np.sqrt(np.maximum(diagonal.sum(axis=0) * inverse, 0.0)) * brightness, np.inf)
+    return scaled, gain
