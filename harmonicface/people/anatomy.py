@@ -157,6 +157,6 @@ def lid_margins(x: Array) -> tuple[Array, Array, Array]:
     across = (np.abs(x) - INNER_CORNER[0]) / (OUTER_CORNER[0] - INNER_CORNER[0])
     inside = np.clip(across, 0, 1)
     line = INNER_CORNER[1] + np.clip(across, -0.4, 1.4) * (OUTER_CORNER[1] - INNER_CORNER[1])
-    upper = 6.6 * np.sin(np.pi * inside**0.9) ** 0.85
-    lower = 3.2 * np.sin(np.pi * inside**1.2) ** 0.9
+    upper = 5.9 * np.sin(np.pi * inside**0.9) ** 0.85
+    lower = 3.3 * np.sin(np.pi * inside**1.2) ** 0.9
     return line, line + upper, line - lower

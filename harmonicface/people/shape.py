@@ -16,7 +16,7 @@ from harmonicface.people.traits import TRAITS, HeadTraits
 Array = NDArray[np.float64]
 
 # (distance between bumps in mm, standard deviation of each in mm): unevenness that no trait names
-UNEVENNESS = ((24.0, 0.75), (11.0, 0.22), (5.0, 0.05))
+UNEVENNESS = ((24.0, 0.5), (11.0, 0.2), (5.0, 0.05))
 SYMMETRIC_SHARE = 0.8  # of the variance of the unevenness, the same on both sides
 
 

@@ -17,6 +17,7 @@ IRIS_RADIUS = 5.9  # mm
 PUPIL_RADIUS = 2.0
 SCLERA = 0.62  # reflectance of the white of the eye
 LARGEST_ALBEDO = 0.95
+REMAPPED = 1024  # pixels a line: OpenCV takes lines of less than 32,768
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +73,13 @@ def _spot(x: Array, y: Array, centre: tuple[float, float], wide: float, tall: fl
 
 def _knots_at(knots: Array, x: Array, y: Array, across: float, up: float) -> Array:
     """Return the smooth field through random knots."""
-    columns = ((x - FIELD[0]) / across).astype(np.float32)
-    rows = ((y - FIELD[1]) / up).astype(np.float32)
-    values = cv2.remap(
-        knots.astype(np.float32), columns[None], rows[None], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT
+    lines = -(-len(x) // REMAPPED)
+    columns, rows = (
+        np.resize(((place - start) / spacing).astype(np.float32), (lines, REMAPPED))
+        for place, start, spacing in ((x, FIELD[0], across), (y, FIELD[1], up))
     )
-    return np.asarray(values[0], dtype=np.float64)
+    values = cv2.remap(knots.astype(np.float32), columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    return np.asarray(values.ravel()[: len(x)], dtype=np.float64)
 
 
 def _tint(c: Complexion, x: Array, y: Array, blur: float) -> Array:
