@@ -133,7 +133,7 @@ def outline(y: ArrayLike) -> Array:
 def face_depth(x: Array, y: Array) -> Array:
     """Return the z of the mean face's skin, the eyes closed, over points of the frontal plane in mm.
 
-    Each horizontal section is half an ellipse; the reliefs add to it, and the eyelids lie on a sphere around the eyeball.
+    Each horizontal section is half an ellipse; the reliefs add to it, and the lids lie on a sphere around the eyeball.
     """
     width, depth, profile, _ = _sections()
     section = np.sqrt(np.clip(1 - (x / width(y)) ** 2, 0.03, 1))

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from harmonicface.people.mottling import draw_knots
+
 Array = NDArray[np.float64]
 
 GRAIN = (30.0, 12.0, 5.0, 2.0)  # mm between the knots of the skin's mottling
-GRAIN_STRENGTH = (0.045, 0.035, 0.03, 0.035)  # standard deviation of the logarithm of albedo at each
-HAIR_GRAIN = 1.5  # mm between the knots of the pattern of hairs
-FIELD = (-84.0, -124.0, 84.0, 70.0)  # mm: left, bottom, right and top of the mottled area
+GRAIN_STRENGTH = (0.07, 0.05, 0.03, 0.03)  # standard deviation of the logarithm of albedo at each
 MARKS = 40  # room for that many freckles, moles and blemishes
 
 
@@ -39,16 +39,16 @@ class Complexion:
         Distance of the hair at the temples from the midline in mm; 84 and more is out of sight.
     lips
         Albedo of the lips over that of the skin, 0.55 to 1.05.
-    blush, eye_shadow, nose_red, forehead
-        Logarithm of albedo added at cheeks, around the eyes, on the nose and on the forehead, about -0.4 to 0.2.
+    cheeks, nose, forehead, mouth_region, eye_shadow
+        Logarithm of albedo added there and around the eyes, about -0.6 to 0.4.
     lid_line
         Darkness of the lashes, 0 to 1.
     wrinkles
         Darkness of creases, 0 to 1.
     grain
         Random knots of the mottling, one grid for each of `GRAIN`, standard normal.
-    hairs
-        Random knots of the pattern of hairs, standard normal.
+    strands
+        Random knots of the pattern of hair, standard normal.
     marks
         (MARKS, 4): x, y and radius in mm, and the logarithm of albedo added at the centre of each mark.
     """
@@ -69,14 +69,15 @@ class Complexion:
     fringe: float
     temple_hair: float
     lips: float
-    blush: float
-    eye_shadow: float
-    nose_red: float
+    cheeks: float
+    nose: float
     forehead: float
+    mouth_region: float
+    eye_shadow: float
     lid_line: float
     wrinkles: float
-    grain: tuple[Array, ...]
-    hairs: Array
+    grain: tuple[NDArray[np.float32], ...]
+    strands: NDArray[np.float32]
     marks: Array
 
 
@@ -90,41 +91,36 @@ def draw_complexion(rng: np.random.Generator, masculine: float, age: float) -> C
     beard_density = rng.uniform(0.4, 0.8) if beard == 0 else 0.0
     moustache = rng.uniform(0.4, 0.9) if beard in (0, 1, 2) else 0.0
     chin_beard = rng.uniform(0.4, 0.9) if beard in (0, 2, 3) else 0.0
-    stubble = float(np.clip(0.16 * (masculine - 0.1) + 0.1 * rng.normal(), 0, 0.45)) if masculine > 0 else 0.0
+    stubble = float(np.clip(0.2 * masculine + 0.14 * rng.normal(), 0, 0.55)) if masculine > 0 else 0.0
     fringe = rng.uniform(24, 40) if rng.random() < 0.1 else rng.normal(78, 10)
     return Complexion(
         tone=tone,
         hair=hair,
         iris=float(np.clip(0.09 * np.exp(0.5 * rng.normal() - 0.3 * darkness), 0.03, 0.25)),
-        brow_height=float(np.clip(20.5 - 1.0 * masculine + 1.6 * rng.normal(), 16, 26)),
-        brow_thickness=float(np.clip(6.0 + 1.0 * masculine + 1.2 * rng.normal(), 3, 10)),
+        brow_height=float(np.clip(20.5 - 1.0 * masculine + 2.5 * rng.normal(), 14, 28)),
+        brow_thickness=float(np.clip(7.4 + 1.2 * masculine + 1.7 * rng.normal(), 3, 12)),
         brow_length=float(np.clip(41 + 3 * rng.normal(), 32, 48)),
         brow_arch=float(np.clip(3.0 - 0.7 * masculine + 1.3 * rng.normal(), 0, 7)),
         brow_gap=float(np.clip(11.5 - 0.8 * masculine + 2.2 * rng.normal(), 3, 17)),
-        brow_density=float(np.clip(0.68 + 0.06 * masculine - 0.04 * age + 0.15 * rng.normal(), 0.2, 0.95)),
+        brow_density=float(np.clip(0.82 + 0.06 * masculine - 0.04 * age + 0.17 * rng.normal(), 0.2, 0.97)),
         beard_density=float(beard_density),
         moustache_density=float(moustache),
         chin_beard_density=float(chin_beard),
         stubble_density=stubble,
         fringe=float(fringe),
-        temple_hair=float(np.clip(79 + 5 * rng.normal(), 66, 95)),
+        temple_hair=float(np.clip(79 + 6 * rng.normal(), 66, 98)),
         lips=float(np.clip(0.78 - 0.03 * masculine + 0.09 * rng.normal() + 0.04 * darkness, 0.55, 1.05)),
-        blush=0.08 * float(rng.normal()) - 0.05,
-        eye_shadow=0.10 * float(rng.normal()) - 0.14 - 0.03 * age,
-        nose_red=0.07 * float(rng.normal()) - 0.04,
-        forehead=0.07 * float(rng.normal()) + 0.02,
+        cheeks=0.11 * float(rng.normal()) + 0.12,
+        nose=0.08 * float(rng.normal()) + 0.03,
+        forehead=0.11 * float(rng.normal()) + 0.09,
+        mouth_region=0.10 * float(rng.normal()) - 0.10,
+        eye_shadow=0.12 * float(rng.normal()) - 0.26 - 0.03 * age,
         lid_line=float(np.clip(0.5 - 0.12 * masculine + 0.2 * rng.normal(), 0.1, 0.95)),
         wrinkles=float(np.clip(0.25 + 0.2 * age + 0.1 * rng.normal(), 0, 0.9)),
-        grain=tuple(_knots(rng, spacing, spacing) for spacing in GRAIN),
-        hairs=_knots(rng, HAIR_GRAIN, 2 * HAIR_GRAIN),
+        grain=tuple(draw_knots(rng, spacing, spacing) for spacing in GRAIN),
+        strands=draw_knots(rng, 1.0, 5.0),
         marks=_draw_marks(rng),
     )
-
-
-def _knots(rng: np.random.Generator, across: float, up: float) -> Array:
-    """Draw a grid of standard normal numbers over the mottled area with some mm between them."""
-    left, bottom, right, top = FIELD
-    return rng.standard_normal((int((top - bottom) / up) + 2, int((right - left) / across) + 2))
 
 
 def _draw_marks(rng: np.random.Generator) -> Array:
@@ -137,7 +133,7 @@ def _draw_marks(rng: np.random.Generator) -> Array:
     kinds = np.repeat([0, 1, 2], [moles, blemishes, freckles])
     radius = rng.uniform((0.7, 1.0, 0.5), (1.7, 2.6, 1.1), (MARKS, 3))
     depth = rng.uniform((-1.1, -0.3, -0.5), (-0.4, 0.12, -0.2), (MARKS, 3))
-    spread = rng.normal(0, (20, 11), (MARKS, 2)) + (0, -20)  # freckles gather on nose and cheeks
+    spread = rng.normal((0, -20), (20, 11), (MARKS, 2))  # freckles gather on nose and cheeks
     for row, kind in enumerate(kinds):
         marks[row] = *(spread[row] if kind == 2 else place[row]), radius[row, kind], depth[row, kind]
     return marks

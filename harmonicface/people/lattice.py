@@ -17,8 +17,16 @@ LID_REACH = (14.0, -15.0)  # mm, where the bending has died away
 LID_THICKNESS = 0.9  # mm, from the margin of a lid back to the eyeball
 
 # (from, to, spacing) in mm: fine rows where lids, nose base and lips are, coarse ones on forehead and cheeks
-ROWS = ((63.0, 14.0, 2.0), (14.0, -15.0, 1.2), (-15.0, -33.0, 1.6), (-33.0, -50.0, 1.15), (-50.0, -61.0, 1.5))
-ROWS += ((-61.0, -82.0, 1.15), (-82.0, -112.0, 1.8), (-112.0, -117.5, 1.0))
+ROWS = (
+    (63.0, 14.0, 2.0),
+    (14.0, -15.0, 1.2),
+    (-15.0, -33.0, 1.6),
+    (-33.0, -50.0, 1.15),
+    (-50.0, -61.0, 1.5),
+    (-61.0, -82.0, 1.15),
+    (-82.0, -112.0, 1.8),
+    (-112.0, -117.5, 1.0),
+)
 COLUMNS = ((0.0, 24.0, 1.25), (24.0, 48.0, 1.5), (48.0, 72.0, 2.4), (72.0, 80.3, 1.3))
 EDGE = 9.0  # mm, over which the border of the face turns away from the camera
 
@@ -118,7 +126,7 @@ def _row_heights() -> tuple[Array, int, int]:
 
 def _bend_to_lids(x: Array, y: Array) -> tuple[Array, Array, Array]:
     """Return the heights bent so that two rows follow the margins, and how much each lid moves each point."""
-    line, upper, lower = lid_margins(x)
+    _, upper, lower = lid_margins(x)
     beyond = np.maximum(INNER_CORNER[0] - np.abs(x), np.abs(x) - OUTER_CORNER[0])
     near = 0.5 + 0.5 * np.cos(np.pi * np.clip(beyond / 8, 0, 1))
     above = np.clip((LID_REACH[0] - y) / (LID_REACH[0] - UPPER_LID), 0, 1)

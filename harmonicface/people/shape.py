@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface.people.anatomy import EYE, EYEBALL_RADIUS, MOUTH
+from harmonicface.people.anatomy import EYE, EYEBALL_RADIUS, MOUTH, outline
 from harmonicface.people.fields import Places
 from harmonicface.people.lattice import LID_THICKNESS, Lattice, lattice_normals, mean_lattice
 from harmonicface.people.traits import TRAITS, HeadTraits
@@ -86,6 +86,7 @@ def _bumps() -> tuple[tuple[float, Array, Array], ...]:
             np.exp(-0.5 * ((place[:, None] - centres) / (0.7 * distance)) ** 2)
             for place, centres in ((heights, centres_y), (lateral, centres_x))
         )
+        rows *= np.clip(outline(heights) / 55, 0, 1)[:, None] ** 2  # columns gather at the chin: no creases there
         scales.append((strength, rows, np.ascontiguousarray(columns.T)))
     return tuple(scales)
 

@@ -142,14 +142,14 @@ def _photograph(
     points[:, :2] += shift
     view = View.fit(points, shape, frame=FRAME)
     raster = rasterize(view.project(points), lattice.faces, shape)
-    beside = np.zeros(head.points.shape[:2] + (3,))
+    beside = np.zeros((*lattice.shape, 3))
     for eye, centre in zip(lattice.eyes, head.eyes, strict=True):
         beside[eye, :2] = head.points[eye, :2] - centre[:2]
         beside[eye, 2] = 1
     normals = (head.normals.reshape(-1, 3) @ turn.T).astype(np.float64)
     attributes = np.concatenate([normals, lattice.points.reshape(-1, 3)[:, :2], beside.reshape(-1, 3)], axis=1)
     mask = raster.mask
-    seen = raster.interpolate(attributes, lattice.faces)[mask]
+    seen: Array = raster.interpolate(attributes, lattice.faces)[mask].astype(np.float64, copy=False)
     weight = np.maximum(seen[:, 7], 1e-6)
     pixels = SkinPixels(
         seen[:, 3], seen[:, 4], seen[:, 5] / weight, seen[:, 6] / weight, seen[:, 7] > 0.5, 0.45 * view.pixel_size

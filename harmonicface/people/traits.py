@@ -1,4 +1,4 @@
-"""The traits of a head, each a length in millimetres by which a person differs from the mean, and how they are drawn."""
+"""The traits of a head, each a length by which a person differs from the mean, and how they are drawn."""
 
 from __future__ import annotations
 
@@ -44,27 +44,27 @@ class Trait:
 TRAITS = (
     # skull
     Trait("face width", 3.2, outward(lambda p: p.lateral(34, 80))),
-    Trait("face flatness", 4.6, forward(lambda p: (p.x / 70) ** 2)),
-    Trait("forehead slope", 2.2, forward(lambda p: -(np.clip((p.y - 16) / 34, 0, 2) ** 1.3)), 0.4),
+    Trait("face flatness", 4.0, forward(lambda p: (p.x / 70) ** 2)),
+    Trait("forehead slope", 1.7, forward(lambda p: -(np.clip((p.y - 16) / 34, 0, 2) ** 1.3)), 0.4),
     Trait("forehead breadth", 2.0, outward(lambda p: p.lateral(20, 70) * p.vertical(8, 40))),
-    Trait("frontal eminence", 0.7, bump(24, 46, 18, 14), -0.3),
-    Trait("temple fullness", 1.4, bump(66, 26, 12, 18)),
+    Trait("frontal eminence", 0.5, bump(24, 46, 18, 14), -0.3),
+    Trait("temple fullness", 1.2, bump(66, 26, 12, 18)),
     Trait("midface length", 2.8, upward(lambda p: -p.vertical(-14, -60)), 0.2),
     Trait("lower face length", 3.2, upward(lambda p: -p.vertical(-72, -112)), 0.3),
-    Trait("midface projection", 2.0, forward(lambda p: p.near(0, -36, 34, 26))),
+    Trait("midface projection", 1.8, forward(lambda p: p.near(0, -36, 34, 26))),
     # brow and eyes
-    Trait("brow ridge", 1.2, bump(22, 21, 17, 7), 0.6, 0.1),
-    Trait("brow ridge tail", 1.1, bump(47, 14, 10, 8, -0.5), 0.4),
+    Trait("brow ridge", 1.1, bump(22, 21, 17, 7), 0.6, 0.1),
+    Trait("brow ridge tail", 1.0, bump(47, 14, 10, 8, -0.5), 0.4),
     Trait("glabella", 0.9, bump(0, 20, 10, 8), 0.5),
     Trait("brow height", 1.4, upward(lambda p: p.near(28, 20, 24, 9)), -0.5, -0.2),
     Trait("eye distance", 1.5, spread(31, -1, 16, 12)),
     Trait("eye size", 1.1, grown(31.3, -1, 14), -0.2),
     Trait("eye depth", 1.6, bump(31, 2, 15, 10), -0.3, -0.2),
-    Trait("eye slant", 1.3, slanted(31, -2, 14, 9)),
-    Trait("upper lid opening", 1.0, upward(lambda p: p.upper_lid), 0.0, -0.3),
+    Trait("eye slant", 1.5, slanted(31, -2, 14, 9)),
+    Trait("upper lid opening", 1.1, upward(lambda p: p.upper_lid), 0.0, -0.3),
     Trait("lower lid opening", 0.6, upward(lambda p: -p.lower_lid)),
-    Trait("upper lid fold", 1.4, bump(29, 8, 13, 4), 0.0, 0.3),
-    Trait("outer lid hood", 1.0, bump(43, 6, 7, 5, -0.5), 0.0, 0.4),
+    Trait("upper lid fold", 1.7, bump(29, 8, 13, 4), 0.0, 0.3),
+    Trait("outer lid hood", 1.2, bump(43, 6, 7, 5, -0.5), 0.0, 0.4),
     Trait("lower lid bag", 0.8, bump(28, -11, 11, 4, 0.1), 0.1, 0.5),
     Trait("tear trough", 0.8, bump(21, -16, 10, 5, -0.5), 0.0, -0.5),
     # nose
@@ -74,7 +74,7 @@ TRAITS = (
     Trait("nose bridge width", 0.9, spread(8, -12, 6, 14)),
     Trait("nose length", 2.5, upward(lambda p: -p.near(0, -40, 17, 11)), 0.2, 0.3),
     Trait("nose tip height", 2.2, bump(0, -34, 10, 9), 0.2),
-    Trait("nose tip upturn", 2.0, upward(lambda p: p.near(0, -35, 8, 7)), -0.4),
+    Trait("nose tip upturn", 1.6, upward(lambda p: p.near(0, -35, 8, 7)), -0.4),
     Trait("nose tip breadth", 0.9, spread(7, -34, 5, 7), 0.2),
     Trait("nose wing width", 2.0, spread(16, -40, 7, 9), 0.3),
     Trait("nose wing fullness", 1.0, bump(13, -38, 5, 6)),
@@ -83,19 +83,20 @@ TRAITS = (
     # cheeks
     Trait("cheekbone", 1.5, bump(50, -22, 15, 11, 0.4)),
     Trait("malar fullness", 1.1, bump(36, -27, 13, 10, 0.3), -0.2),
-    Trait("cheek fullness", 2.0, bump(46, -58, 15, 17)),
+    Trait("cheek fullness", 1.8, bump(46, -58, 15, 17)),
     Trait("nasolabial fold", 0.7, bump(28, -55, 4.5, 12, 0.45), 0.0, -0.6),
     Trait("nasolabial mound", 0.9, bump(34, -50, 8, 11, 0.3), 0.0, 0.4),
     Trait("masseter", 1.8, bump(60, -60, 12, 18), 0.4),
     # mouth
     Trait("mouth width", 2.4, spread(24, -70, 11, 8), 0.2),
     Trait("mouth projection", 1.9, bump(0, -66, 22, 15)),
-    Trait("upper lip fullness", 1.1, bump(0, -65, 17, 3.5), -0.3, -0.3),
+    Trait("upper lip fullness", 1.2, bump(0, -65, 17, 3.5), -0.3, -0.3),
     Trait("upper lip height", 1.1, upward(lambda p: p.near(0, -62, 18, 4)), -0.2, -0.3),
-    Trait("lower lip fullness", 1.2, bump(0, -76, 14, 4), -0.2, -0.3),
+    Trait("lower lip fullness", 1.3, bump(0, -76, 14, 4), -0.2, -0.3),
     Trait("lower lip height", 1.1, upward(lambda p: -p.near(0, -79, 17, 4)), -0.2, -0.2),
     Trait("cupid's bow", 0.5, both((1.0, upward(lambda p: p.near(5, -61, 4, 4))), (0.6, bump(5, -60, 3, 4)))),
-    Trait("mouth corner lift", 1.5, upward(lambda p: p.near(25, -71, 8, 7)), 0.0, -0.3),
+    Trait("mouth corner lift", 1.8, upward(lambda p: p.near(25, -71, 8, 7)), 0.0, -0.3),
+    Trait("mouth line arch", 0.8, upward(lambda p: p.near(10, -70, 6, 6) - p.near(0, -70, 5, 6))),
     Trait("mouth corner depth", 0.9, bump(27, -72, 6, 6)),
     Trait("philtrum depth", 0.5, both((-1.0, bump(0, -55, 2.6, 5)), (0.7, bump(6, -56, 2.6, 6)))),
     Trait("upper lip length", 1.6, upward(lambda p: -p.near(0, -58, 22, 7)), 0.2, 0.3),
