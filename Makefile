@@ -1,0 +1,38 @@
+# Two commands on a fresh machine with Python (>= 3.11) and make; each sets up its own .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: demo test check format benchmarks clean
+
+demo: .venv/.installed  ## recognize synthetic people, write report/report.html
+	$(BIN)/harmonicface bench --faces 100 --size 64 --seed 0 --out report
+
+test: check  ## lint, types, floors, doctests, tests
+	$(BIN)/python -m pytest
+
+check: .venv/.installed-dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: .venv/.installed-dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+benchmarks: .venv/.installed-dev  ## speed against error, beside public peers
+	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
+
+.venv/bin/python:
+	$(PYTHON) -m venv .venv
+
+.venv/.installed: .venv/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	touch $@
+
+.venv/.installed-dev: .venv/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	touch $@ .venv/.installed
+
+clean:
+	rm -rf .venv report benchmarks/results

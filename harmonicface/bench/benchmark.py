@@ -1,0 +1,207 @@
+"""The main job: synthetic people, asked for under light that no gallery picture showed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harmonicface import _validate
+from harmonicface._validate import Floats
+from harmonicface.appearance.render import render
+from harmonicface.appearance.sensor import photograph
+from harmonicface.bench.contenders import METHODS, Contender, GalleryContender, Person, contender
+from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
+from harmonicface.gallery.gallery import Gallery
+from harmonicface.lighting.light import Light
+from harmonicface.people.synthetic import synthetic_people
+from harmonicface.recognition.verification import DEFAULT_THRESHOLD
+from harmonicface.surfaces.surface import Surface
+
+MARGIN_METHOD = "harmonic9"
+STRANGERS = 20
+Progress = Callable[[str, int, int], None]  # what is being done, how much of it, of how much
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """A photograph to be recognized, and the truth about it."""
+
+    person: int
+    light: Light
+    photo: Floats
+
+
+@dataclass(frozen=True)
+class MethodResult:
+    """How one method did: errors by tier, time and memory."""
+
+    method: str
+    errors: dict[str, int]
+    milliseconds: float
+    enrolment_seconds: float
+    bytes_per_person: float
+
+
+@dataclass(frozen=True)
+class Margin:
+    """Distance of the nearest wrong person over that of the right one: below 1 is an error."""
+
+    median: float
+    worst: float
+
+
+@dataclass(frozen=True)
+class OpenSet:
+    """Share of queries refused at the default threshold: of enrolled people (wrong) and of strangers (right)."""
+
+    enrolled_refused: float
+    strangers_refused: float
+
+
+@dataclass(frozen=True, eq=False)
+class BenchmarkResult:
+    """Everything that the report tells."""
+
+    faces: int
+    size: int
+    seed: int
+    queries: dict[str, int]
+    methods: list[MethodResult]
+    margins: dict[str, Margin]
+    open_set: dict[str, OpenSet]
+    people: Sequence[Person]
+    asked: dict[str, list[Query]]
+    gallery: Gallery
+
+
+def run_benchmark(
+    faces: int,
+    size: int,
+    seed: int,
+    queries: int = 2,
+    methods: Sequence[str] = METHODS,
+    progress: Progress | None = None,
+) -> BenchmarkResult:
+    """Enrol synthetic people, ask for them in every tier by every method.
+
+    Surfaces enrol the subspace methods; the others learn from seven photographs a person under frontal lamps. Every
+    photograph is an exact sum of clamped cosines over the light's directions, then noise, saturation and 8 bits.
+
+    Parameters
+    ----------
+    faces
+        How many people, at least 2.
+    size
+        Height and width of a photograph in pixels, at least 16.
+    seed
+        The same seed gives the same people, photographs and errors.
+    queries
+        Photographs of each person in each tier, at least 1.
+    methods
+        Names of methods, as in the design of the command line.
+    progress
+        Called as work goes on.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A number below its least, an unknown method.
+    """
+    for value, least, name in ((faces, 2, "faces"), (size, 16, "size"), (seed, 0, "seed"), (queries, 1, "queries")):
+        _validate.at_least(value, least, name)
+    tell = progress or (lambda *_: None)
+    contenders = {method: contender(method) for method in methods}
+    everybody = list(synthetic_people(faces + STRANGERS, size, seed))
+    people = _enrolled(everybody[:faces], seed, tell)
+    asked = {tier.name: _queries(everybody[:faces], tier, [seed, 1, i], queries) for i, tier in enumerate(TIERS)}
+    strangers = {tier.name: _queries(everybody[faces:], tier, [seed, 2, i], 1) for i, tier in enumerate(TIERS)}
+    results = [_judge(name, method, people, asked, tell) for name, method in contenders.items()]
+    tell("margins and strangers", 0, 1)
+    gallery = _gallery(contenders, people)
+    result = BenchmarkResult(
+        faces=faces,
+        size=size,
+        seed=seed,
+        queries={tier: len(photos) for tier, photos in asked.items()},
+        methods=results,
+        margins={tier: _margin(gallery, people, photos) for tier, photos in asked.items()},
+        open_set={tier: _open_set(gallery, asked[tier], strangers[tier]) for tier in asked},
+        people=people,
+        asked=asked,
+        gallery=gallery,
+    )
+    tell("margins and strangers", 1, 1)
+    return result
+
+
+def _enrolled(surfaces: Sequence[Surface], seed: int, tell: Progress) -> list[Person]:
+    """Return people with the photographs that the picture-based methods learn from."""
+    people = []
+    rng = np.random.default_rng([seed, 0])
+    for index, surface in enumerate(surfaces):
+        photographs = np.stack([photograph(render(surface, light), rng) for light in gallery_lights()])
+        people.append(Person(f"person {index:04d}", photographs, surface))
+        tell("photographs for the gallery", index + 1, len(surfaces))
+    return people
+
+
+def _queries(surfaces: Sequence[Surface], tier: Tier, seed: list[int], each: int) -> list[Query]:
+    """Photograph everybody under the lights of a tier, every photograph under a light of its own."""
+    rng = np.random.default_rng(seed)
+    queries = []
+    for index, surface in enumerate(surfaces):
+        for _ in range(each):
+            light = tier.light(rng)
+            queries.append(Query(index, light, photograph(render(surface, light), rng, noise=tier.noise)))
+    return queries
+
+
+def _judge(
+    name: str, method: Contender, people: Sequence[Person], asked: dict[str, list[Query]], tell: Progress
+) -> MethodResult:
+    """Enrol everybody with one method and count its errors."""
+    total = sum(len(queries) for queries in asked.values())
+    tell(name, 0, total)
+    start = time.perf_counter()
+    method.enroll(people)
+    enrolment = time.perf_counter() - start
+    errors, times = dict.fromkeys(asked, 0), []
+    for tier, queries in asked.items():
+        for query in queries:
+            start = time.perf_counter()
+            answer = method.nearest(query.photo)
+            times.append(time.perf_counter() - start)
+            errors[tier] += answer != query.person
+            tell(name, len(times), total)
+    return MethodResult(name, errors, 1e3 * float(np.median(times)), enrolment, method.bytes_per_person)
+
+
+def _gallery(contenders: dict[str, Contender], people: Sequence[Person]) -> Gallery:
+    """Return the gallery of nine harmonic images, enrolled already or now."""
+    known = contenders.get(MARGIN_METHOD)
+    if not isinstance(known, GalleryContender):
+        known = GalleryContender(MARGIN_METHOD)
+        known.enroll(people)
+    return known.gallery
+
+
+def _margin(gallery: Gallery, people: Sequence[Person], queries: Sequence[Query]) -> Margin:
+    """Return by how much the right person is nearer than the nearest wrong one."""
+    ratios = []
+    for query in queries:
+        right = people[query.person].name
+        distances = {c.name: c.distance for c in gallery.match(query.photo, top=len(gallery)).candidates}
+        ratios.append(min(d for name, d in distances.items() if name != right) / distances[right])
+    return Margin(float(np.median(ratios)), min(ratios))
+
+
+def _open_set(gallery: Gallery, enrolled: Sequence[Query], strangers: Sequence[Query]) -> OpenSet:
+    """Return how often the default threshold refuses those who are in the gallery, and those who are not."""
+
+    def refused(queries: Sequence[Query]) -> float:
+        return float(np.mean([gallery.match(query.photo, top=1).distance > DEFAULT_THRESHOLD for query in queries]))
+
+    return OpenSet(refused(enrolled), refused(strangers))

@@ -1,0 +1,97 @@
+"""The methods that are compared, each enrolled and asked in the same way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from harmonicface._validate import Floats
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.gallery import Gallery
+from harmonicface.recognition.baselines import BASELINES, Baseline
+from harmonicface.recognition.models import SUBSPACE_MODELS
+from harmonicface.surfaces.surface import Surface
+
+METHODS = (*BASELINES, *SUBSPACE_MODELS)
+
+
+@dataclass(frozen=True, eq=False)
+class Person:
+    """Somebody to enrol: photographs for the methods that learn from pictures, a Surface for the others."""
+
+    name: str
+    photographs: Floats
+    surface: Surface
+
+
+class Contender(Protocol):
+    """A method under comparison."""
+
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory that a person costs."""
+
+    def enroll(self, people: Sequence[Person]) -> None:
+        """Take people in, all at once."""
+
+    def nearest(self, photo: Floats) -> int:
+        """Return the index of the nearest person."""
+
+
+class GalleryContender:
+    """A subspace model behind the public `Gallery`: timed as a user would call it."""
+
+    def __init__(self, model: str) -> None:
+        self.gallery = Gallery(model=model, threshold=1.0)
+        self._index: dict[str, int] = {}
+
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory that a person costs."""
+        return self.gallery.bytes_per_person
+
+    def enroll(self, people: Sequence[Person]) -> None:
+        """Enrol the Surface of everybody."""
+        for index, person in enumerate(people):
+            self.gallery.enroll(person.name, person.surface)
+            self._index[person.name] = index
+
+    def nearest(self, photo: Floats) -> int:
+        """Return the index of the first candidate."""
+        return self._index[self.gallery.match(photo).candidates[0].name]
+
+
+class PhotographContender:
+    """A method that learns from photographs alone."""
+
+    def __init__(self, baseline: Baseline) -> None:
+        self._baseline = baseline
+
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory that a person costs."""
+        return self._baseline.bytes_per_person
+
+    def enroll(self, people: Sequence[Person]) -> None:
+        """Enrol the photographs of everybody."""
+        self._baseline.enroll([person.photographs for person in people])
+
+    def nearest(self, photo: Floats) -> int:
+        """Return the index of the nearest person."""
+        return self._baseline.nearest(photo)
+
+
+def contender(method: str) -> Contender:
+    """Return a fresh contender of that name.
+
+    Raises
+    ------
+    HarmonicFaceError
+        There is no method of that name.
+    """
+    if method in SUBSPACE_MODELS:
+        return GalleryContender(method)
+    if method in BASELINES:
+        return PhotographContender(BASELINES[method]())
+    raise HarmonicFaceError(f"method: expected one of {', '.join(METHODS)}, got {method!r}")

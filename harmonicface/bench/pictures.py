@@ -1,0 +1,139 @@
+"""The pictures of the report: lights, harmonic images, explanations of photographs, error against time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from harmonicface._validate import Floats
+from harmonicface.appearance.basis import harmonic_images
+from harmonicface.appearance.render import render
+from harmonicface.bench.benchmark import BenchmarkResult, MethodResult, Query
+from harmonicface.gallery.gallery import Gallery
+from harmonicface.io.pictures import signed_colours, to_display
+from harmonicface.surfaces.surface import Surface
+
+matplotlib.use("Agg")
+
+OURS = "harmonic9"
+INK = "#22303c"
+ACCENT = "#c8553d"
+HARMONIC_NAMES = ("1", "y", "z", "x", "xy", "yz", "3z² − 1", "xz", "x² − y²")
+EXAMPLES = 4
+
+
+def lights_picture(result: BenchmarkResult) -> bytes:
+    """Draw white balls under lights of each tier, beside the photographs that they make."""
+    ball = _ball(96)
+    figure, axes = _grid(len(result.asked), 2 * EXAMPLES, 1.05)
+    for row, (tier, queries) in zip(axes, result.asked.items(), strict=True):
+        row[0].set_ylabel(tier, rotation=0, ha="right", va="center", color=INK, fontsize=10)
+        for column, query in enumerate(_spread(queries, EXAMPLES)):
+            row[2 * column].imshow(to_display(render(ball, query.light)), cmap="gray")
+            row[2 * column + 1].imshow(to_display(query.photo, scale=1.0), cmap="gray", vmin=0, vmax=1)
+    return _png(figure)
+
+
+def harmonics_picture(surface: Surface) -> bytes:
+    """Draw the nine harmonic images of a person: red adds light, blue takes it away."""
+    figure, axes = _grid(1, 9, 1.1)
+    for axis, image, name in zip(axes[0], harmonic_images(surface), HARMONIC_NAMES, strict=True):
+        picture = np.zeros(surface.shape, np.float32)
+        picture[surface.mask] = image
+        axis.imshow(signed_colours(picture, surface.mask))
+        axis.set_title(name, fontsize=10, color=INK)
+    return _png(figure)
+
+
+def explanations_picture(result: BenchmarkResult) -> bytes:
+    """Draw a photograph of each tier, and how well the right and the nearest wrong person explain it."""
+    titles = ("photograph", "gallery saw", "right person", "residual", "nearest wrong", "residual")
+    figure, axes = _grid(len(result.asked), len(titles), 1.25)
+    for axis, title in zip(axes[0], titles, strict=True):
+        axis.set_title(title, fontsize=10, color=INK)
+    for row, (tier, queries) in zip(axes, result.asked.items(), strict=True):
+        row[0].set_ylabel(tier, rotation=0, ha="right", va="center", color=INK, fontsize=10)
+        _explain(row, result, queries[len(queries) // 2])
+    return _png(figure)
+
+
+def tradeoff_picture(methods: Sequence[MethodResult], queries: dict[str, int]) -> bytes:
+    """Draw error over all tiers against time a photograph."""
+    figure = Figure(figsize=(7.2, 4.2), layout="constrained")
+    axis = figure.add_subplot()
+    total = sum(queries.values())
+    for method in methods:
+        percent = 100 * sum(method.errors.values()) / total
+        ours = method.method == OURS
+        axis.plot(method.milliseconds, percent, "o", markersize=11 if ours else 8, color=ACCENT if ours else INK)
+        axis.annotate(
+            method.method,
+            (method.milliseconds, percent),
+            xytext=(8, 5),
+            textcoords="offset points",
+            color=ACCENT if ours else INK,
+            fontweight="bold" if ours else "normal",
+            fontsize=10,
+        )
+    axis.set_xscale("log")
+    axis.margins(0.16)
+    axis.set_ylim(bottom=-2)
+    axis.set_xlabel("milliseconds a photograph")
+    axis.set_ylabel("photographs given to the wrong person, %")
+    axis.spines[["top", "right"]].set_visible(False)
+    axis.grid(alpha=0.25)
+    return _png(figure)
+
+
+def _explain(row: Sequence[matplotlib.axes.Axes], result: BenchmarkResult, query: Query) -> None:
+    """Fill one row: photograph, gallery picture, right person, wrong person, with residuals in the same scale."""
+    gallery: Gallery = result.gallery
+    right = result.people[query.person].name
+    candidates = gallery.match(query.photo, top=len(gallery)).candidates
+    wrong = next(candidate.name for candidate in candidates if candidate.name != right)
+    distances = {candidate.name: candidate.distance for candidate in candidates}
+    row[0].imshow(to_display(query.photo, scale=1.0), cmap="gray", vmin=0, vmax=1)
+    row[1].imshow(to_display(result.people[query.person].photographs[0], scale=1.0), cmap="gray", vmin=0, vmax=1)
+    for column, name in ((2, right), (4, wrong)):
+        explained = gallery.reconstruct(name, query.photo)
+        residual = query.photo - explained
+        row[column].imshow(to_display(np.clip(explained, 0, None), scale=1.0), cmap="gray", vmin=0, vmax=1)
+        row[column].set_xlabel(f"distance {distances[name]:.3f}", fontsize=8, color=INK)
+        row[column + 1].imshow(signed_colours(residual, np.ones(residual.shape, np.bool_), 0.15))
+
+
+def _ball(size: int) -> Surface:
+    """Return a white ball."""
+    across = (np.arange(size) + 0.5) / size * 2 - 1
+    x, y = np.meshgrid(across, -across)
+    squared = 1 - x**2 - y**2
+    normals = np.stack([x, y, np.sqrt(np.maximum(squared, 0))], axis=-1)
+    return Surface(normals, np.ones((size, size)), squared > 0)
+
+
+def _spread(queries: Sequence[Query], count: int) -> list[Query]:
+    """Return a few queries spread over all."""
+    places = np.linspace(0, len(queries) - 1, min(count, len(queries))).astype(int)
+    return [queries[place] for place in places]
+
+
+def _grid(rows: int, columns: int, inches: float) -> tuple[Figure, NDArray[np.object_]]:
+    """Return axes for pictures, without ticks or frames."""
+    figure = Figure(figsize=(columns * inches + 0.9, rows * (inches + 0.18) + 0.2), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False)
+    for axis in axes.flat:
+        axis.set_xticks([])
+        axis.set_yticks([])
+        axis.spines[:].set_visible(False)
+    return figure, axes
+
+
+def _png(figure: Figure) -> bytes:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=130)
+    return buffer.getvalue()

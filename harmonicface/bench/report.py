@@ -1,0 +1,125 @@
+"""results.json and a report.html that needs no other file."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import os
+from dataclasses import asdict
+from pathlib import Path
+from string import Template
+
+from harmonicface.bench import pictures
+from harmonicface.bench.benchmark import MARGIN_METHOD, BenchmarkResult
+from harmonicface.bench.measure import machine
+from harmonicface.bench.table import error_table, margin_table
+from harmonicface.bench.tiers import TIERS
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.io.files import replacing
+from harmonicface.recognition.verification import DEFAULT_THRESHOLD
+
+TEMPLATE = Path(__file__).with_name("report.html.template")
+
+
+def write_report(result: BenchmarkResult, folder: str | os.PathLike[str]) -> Path:
+    """Write results.json and report.html; each is replaced whole.
+
+    Returns
+    -------
+    Path
+        Where report.html is.
+
+    Raises
+    ------
+    HarmonicFaceError
+        The folder cannot be made or written to.
+    """
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HarmonicFaceError(f"cannot make the folder {target}: {error.strerror}") from None
+    for name, text in (("results.json", _json(result)), ("report.html", _page(result))):
+        with replacing(target / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    return target / "report.html"
+
+
+def results(result: BenchmarkResult) -> dict[str, object]:
+    """Return what results.json holds: everything measured, and on what."""
+    return {
+        "faces": result.faces,
+        "size": result.size,
+        "seed": result.seed,
+        "queries": result.queries,
+        "methods": {
+            method.method: {
+                "errors": method.errors,
+                "error_percent": {tier: 100 * method.errors[tier] / n for tier, n in result.queries.items()},
+                "ms_per_query": method.milliseconds,
+                "enrolment_seconds": method.enrolment_seconds,
+                "bytes_per_person": method.bytes_per_person,
+            }
+            for method in result.methods
+        },
+        "margins": {tier: asdict(margin) for tier, margin in result.margins.items()},
+        "open_set": {tier: asdict(rates) for tier, rates in result.open_set.items()},
+        "threshold": DEFAULT_THRESHOLD,
+        "machine": machine(),
+    }
+
+
+def _json(result: BenchmarkResult) -> str:
+    return json.dumps(results(result), indent=2) + "\n"
+
+
+def _page(result: BenchmarkResult) -> str:
+    """Fill the page."""
+    about = machine()
+    queries = sum(result.queries.values())
+    return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
+        headline=html.escape(_headline(result)),
+        faces=result.faces,
+        size=result.size,
+        seed=result.seed,
+        queries=queries,
+        each=queries // len(result.queries),
+        threshold=DEFAULT_THRESHOLD,
+        tiers="".join(f"<dt>{html.escape(tier.name)}</dt><dd>{html.escape(tier.about)}</dd>" for tier in TIERS),
+        errors=_table(*error_table(result), MARGIN_METHOD),
+        margins=_table(*margin_table(result)),
+        explanations=_image(pictures.explanations_picture(result), "photographs explained by right and wrong people"),
+        harmonics=_image(pictures.harmonics_picture(result.people[0].surface), "nine harmonic images of one person"),
+        lights=_image(pictures.lights_picture(result), "balls and faces under the lights of each tier"),
+        tradeoff=_image(pictures.tradeoff_picture(result.methods, result.queries), "error against time"),
+        machine=html.escape(f"{about['processor']}, {about['cores']} cores, Python {about['python']}"),
+        packages=html.escape(", ".join(f"{name} {number}" for name, number in dict(about["packages"]).items())),  # type: ignore[call-overload]
+    )
+
+
+def _headline(result: BenchmarkResult) -> str:
+    """Say in a sentence how the nine images did beside the best method that learns from pictures."""
+    total = sum(result.queries.values())
+    wrong = {method.method: sum(method.errors.values()) for method in result.methods}
+    if MARGIN_METHOD not in wrong:
+        return f"{len(wrong)} methods, {total} photographs"
+    return f"Nine harmonic images name {total - wrong[MARGIN_METHOD]} of {total} photographs rightly"
+
+
+def _table(heads: list[str], rows: list[list[str]], strong: str = "") -> str:
+    """Return an HTML table; the row that begins with `strong` stands out."""
+    head = "".join(f"<th>{html.escape(text)}</th>" for text in heads)
+    body = "".join(
+        f"<tr{' class=ours' if row[0] == strong else ''}>"
+        + "".join(f"<td>{html.escape(cell)}</td>" for cell in row)
+        + "</tr>"
+        for row in rows
+    )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _image(png: bytes, description: str) -> str:
+    """Return a picture that stands inside the page."""
+    data = base64.b64encode(png).decode("ascii")
+    return f'<img alt="{html.escape(description)}" src="data:image/png;base64,{data}">'

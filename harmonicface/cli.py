@@ -1,0 +1,219 @@
+"""The command line: parse, call the library, print. Bad input is one line and exit code 2."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from harmonicface.appearance.basis import harmonic_images
+from harmonicface.bench.benchmark import run_benchmark
+from harmonicface.bench.contenders import METHODS
+from harmonicface.bench.report import results, write_report
+from harmonicface.bench.table import error_table, margin_table
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.gallery import Gallery
+from harmonicface.gallery.match import Match
+from harmonicface.io.images import read_image, write_image
+from harmonicface.io.pictures import signed_colours
+from harmonicface.surfaces.load import SURFACE_ENDINGS, load_surface
+from harmonicface.surfaces.surface import Surface
+
+app = typer.Typer(
+    help="Recognize faces under any lighting with harmonic subspaces.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+evaluate = typer.Typer(help="Published protocols on data that you have.", no_args_is_help=True)
+app.add_typer(evaluate, name="evaluate")
+
+Source = Annotated[Path, typer.Argument(help="A mesh (GLB, OBJ, PLY, STL) or a saved Surface (.npz).", show_default=False)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Size = Annotated[int, typer.Option(help="Height and width in pixels at which a mesh is seen.")]
+Texture = Annotated[Path | None, typer.Option(help="Picture with the mesh's colours.")]
+FlipTexture = Annotated[bool, typer.Option("--flip-texture", help="The texture's rows run upward.")]
+Rotation = Annotated[str, typer.Option(help="Yaw, pitch, roll of the mesh in degrees.")]
+FrameOption = Annotated[str | None, typer.Option(help="x0,y0,x1,y1 of the view in the mesh's units.")]
+Methods = Annotated[str | None, typer.Option(help=f"Comma-separated, of {', '.join(METHODS)}.", show_default="all")]
+
+
+@app.command()
+def bench(
+    faces: Annotated[int, typer.Option(help="How many people.")] = 100,
+    size: Annotated[int, typer.Option(help="Height and width of a photograph in pixels.")] = 64,
+    seed: Annotated[int, typer.Option(help="The same seed gives the same errors.")] = 0,
+    queries: Annotated[int, typer.Option(help="Photographs of each person in each kind of light.")] = 2,
+    methods: Methods = None,
+    out: Annotated[Path, typer.Option(help="Folder for results.json and report.html.")] = Path("report"),
+    as_json: AsJson = False,
+) -> None:
+    """Recognize synthetic people under light that no gallery picture showed, by every method."""
+    chosen = _names(methods) if methods else METHODS
+    with _progress() as bar:
+        tasks: dict[str, object] = {}
+
+        def tell(what: str, done: int, of: int) -> None:
+            if what not in tasks:
+                tasks[what] = bar.add_task(what, total=of)
+            bar.update(tasks[what], completed=done)  # type: ignore[arg-type]
+
+        result = run_benchmark(faces, size, seed, queries, chosen, tell)
+    page = write_report(result, out)
+    if as_json:
+        typer.echo(json.dumps(results(result)))
+        return
+    _print_table("Errors by kind of light", *error_table(result))
+    _print_table("Nine harmonic images: margin, and who is refused as unknown", *margin_table(result))
+    typer.echo(f"\nReport: {page.resolve()}")
+
+
+@app.command()
+def enroll(
+    gallery: Annotated[Path, typer.Argument(help="The gallery's file; made if it is not there.", show_default=False)],
+    name: Annotated[str, typer.Argument(help="Who it is.", show_default=False)],
+    source: Annotated[
+        list[Path],
+        typer.Argument(help="A mesh, a saved Surface, or at least three photographs under different lights.", show_default=False),
+    ],
+    size: Size = 64,
+    texture: Texture = None,
+    flip_texture: FlipTexture = False,
+    rotation: Rotation = "0,0,0",
+    frame: FrameOption = None,
+) -> None:
+    """Add a person to a gallery."""
+    people = Gallery.open(gallery) if gallery.exists() else Gallery()
+    if len(source) == 1 and source[0].suffix.lower() in SURFACE_ENDINGS:
+        people.enroll(name, _surface(source[0], size, texture, flip_texture, rotation, frame))
+    else:
+        people.enroll(name, _photographs(source))
+    people.save(gallery)
+    typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
+
+
+@app.command()
+def match(
+    gallery: Annotated[Path, typer.Argument(help="The gallery's file.", show_default=False)],
+    photo: Annotated[list[Path], typer.Argument(help="Photographs of the gallery's size.", show_default=False)],
+    top: Annotated[int, typer.Option(help="How many candidates to name.")] = 5,
+    as_json: AsJson = False,
+) -> None:
+    """Say whose face each photograph shows."""
+    people = Gallery.open(gallery)
+    answers = [(path, people.match(_read_photo(path), top)) for path in photo]
+    if as_json:
+        typer.echo(json.dumps({"gallery": str(gallery), "matches": [_as_dict(path, found) for path, found in answers]}))
+        return
+    for path, found in answers:
+        typer.echo(f"{path}: {found.name or 'unknown'} at distance {found.distance:.4f} (named up to {found.threshold:g})")
+        for candidate in found.candidates:
+            typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
+
+
+@app.command()
+def images(
+    source: Source,
+    out: Annotated[Path, typer.Option(help="Folder for the pictures.")],
+    order: Annotated[int, typer.Option(help="Highest degree: 2 gives nine pictures.")] = 2,
+    size: Size = 256,
+    texture: Texture = None,
+    flip_texture: FlipTexture = False,
+    rotation: Rotation = "0,0,0",
+    frame: FrameOption = None,
+) -> None:
+    """Write the harmonic images of a face as pictures: red adds light, blue takes it away."""
+    surface = _surface(source, size, texture, flip_texture, rotation, frame)
+    pictures = harmonic_images(surface, order)
+    scale = float(np.quantile(np.abs(pictures), 0.995))
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HarmonicFaceError(f"cannot make the folder {out}: {error.strerror}") from None
+    for index, pixels in enumerate(pictures):
+        degree = int(np.sqrt(index))
+        picture = np.zeros(surface.shape, pixels.dtype)
+        picture[surface.mask] = pixels
+        name = out / f"harmonic_{index}_l{degree}_m{index - degree * (degree + 1):+d}.png"
+        write_image(name, signed_colours(picture, surface.mask, scale), transfer="linear")
+    surface.save(out / "surface.npz")
+    typer.echo(f"{len(pictures)} pictures and surface.npz are in {out}")
+
+
+def main() -> None:
+    """Run the command line; bad input ends in one line on standard error and exit code 2."""
+    try:
+        app()
+    except HarmonicFaceError as error:
+        print(f"harmonicface: {' '.join(str(error).split())}", file=sys.stderr)
+        sys.exit(2)
+
+
+def _surface(path: Path, size: int, texture: Path | None, flip: bool, rotation: str, frame: str | None) -> Surface:
+    """Load a Surface; a saved one has been viewed already."""
+    if path.suffix.lower() == ".npz":
+        return load_surface(path)
+    return load_surface(
+        path,
+        size,
+        texture=texture,
+        flip_texture=flip,
+        rotation=_numbers(rotation, 3, "rotation"),
+        frame=None if frame is None else _numbers(frame, 4, "frame"),
+    )
+
+
+def _photographs(paths: list[Path]) -> np.ndarray:
+    """Read photographs of one size."""
+    photos = [_read_photo(path) for path in paths]
+    for path, photo in zip(paths, photos, strict=True):
+        if photo.shape != photos[0].shape:
+            raise HarmonicFaceError(f"{path}: expected the size of {paths[0]}, {photos[0].shape[:2]}, got {photo.shape[:2]}")
+    return np.stack(photos)
+
+
+def _numbers(text: str, count: int, name: str) -> tuple[float, ...]:
+    """Parse comma-separated numbers."""
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != count:
+        raise HarmonicFaceError(f"{name}: expected {count} comma-separated numbers, got {text!r}")
+    return numbers
+
+
+def _names(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def _as_dict(path: Path, found: Match) -> dict[str, object]:
+    return {
+        "photo": str(path),
+        "name": found.name,
+        "distance": found.distance,
+        "threshold": found.threshold,
+        "light": None if found.light is None else found.light.values.tolist(),
+        "candidates": [{"name": candidate.name, "distance": candidate.distance} for candidate in found.candidates],
+    }
+
+
+def _progress() -> Progress:
+    columns = TextColumn("{task.description:>28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    return Progress(*columns, console=Console(stderr=True))
+
+
+def _print_table(title: str, heads: list[str], rows: list[list[str]]) -> None:
+    table = Table(title=title, title_justify="left")
+    for index, head in enumerate(heads):
+        table.add_column(head, justify="right" if index else "left")
+    for row in rows:
+        table.add_row(*row)
+    Console().print(table)
