@@ -19,6 +19,7 @@ from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 
 ENDINGS = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".hdr", ".npy")
+PNG_END = b"IEND\xaeB`\x82"  # the name of the last chunk and its checksum
 PILLOW_FORMATS = ("PNG", "JPEG", "PPM", "TIFF")
 EIGHT_BIT_MODES = {"1": "1", "L": "L", "LA": "L", "P": "RGB", "PA": "RGB", "RGB": "RGB", "RGBA": "RGB", "RGBX": "RGB"}
 STORED_TYPES = (np.bool_, np.uint8, np.uint16, np.float16, np.float32, np.float64)
@@ -126,6 +127,8 @@ def _picture(data: bytes) -> tuple[NDArray[Any], str]:
 
 def _verify_png(data: bytes) -> None:
     """Check the checksums of all chunks to the last one, which decoding alone does not."""
+    if PNG_END not in data:
+        raise HarmonicFaceError("expected a whole image, got a PNG without its end")
     with Image.open(io.BytesIO(data), formats=("PNG",)) as picture:
         picture.verify()
 

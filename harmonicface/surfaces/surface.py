@@ -42,8 +42,7 @@ class Surface:
 
     Examples
     --------
-    >>> import numpy as np, harmonicface as hf
-    >>> wall = hf.Surface(normals=np.tile([0.0, 0.0, 1.0], (4, 5, 1)), albedo=np.full((4, 5), 0.7))
+    >>> wall = Surface(normals=np.tile([0.0, 0.0, 1.0], (4, 5, 1)), albedo=np.full((4, 5), 0.7))
     >>> wall.shape, int(wall.mask.sum())
     ((4, 5), 20)
     """

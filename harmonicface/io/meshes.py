@@ -1,0 +1,299 @@
+"""Meshes: GLB, OBJ, PLY and STL files to triangles with normals, texture coordinates and albedo."""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from PIL import Image
+
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.io.images import linear_pixels, read_image
+from harmonicface.io.pixels import pillow_pixels
+from harmonicface.io.vertex_normals import vertex_normals
+
+ENDINGS = (".glb", ".obj", ".ply", ".stl")
+UNKNOWN_ALBEDO = 0.5
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles, in the order of the file; nothing is merged.
+
+    Parameters
+    ----------
+    vertices
+        (n, 3) float64 positions in the file's units: x right, y up, z toward the viewer.
+    faces
+        (m, 3) vertex indices, counterclockwise seen from outside.
+    normals
+        (n, 3) float64 unit normals; the zero vector where a vertex has none.
+    uv
+        (n, 2) float64 texture coordinates with v upward, so that (0, 1) is the top left corner; None without any.
+    textures
+        Linear float32 images, (h, w) or (h, w, 3). Most meshes have none or one.
+    face_texture
+        (m,) which texture each face wears, -1 for none.
+    vertex_albedo
+        (n, 3) float64 linear reflectances. A texture is multiplied by them.
+    """
+
+    vertices: Doubles
+    faces: NDArray[np.int64]
+    normals: Doubles
+    uv: Doubles | None
+    textures: tuple[NDArray[np.float32], ...]
+    face_texture: NDArray[np.int64]
+    vertex_albedo: Doubles
+
+    @property
+    def is_grey(self) -> bool:
+        """True if no texture and no vertex has a colour."""
+        flat = (self.vertex_albedo == self.vertex_albedo[:, :1]).all()
+        return bool(flat) and all(texture.ndim == 2 for texture in self.textures)
+
+
+def read_mesh(
+    path: str | os.PathLike[str],
+    *,
+    texture: str | os.PathLike[str] | None = None,
+    flip_texture: bool = False,
+) -> Mesh:
+    r"""Read the triangles of a file; the parts of a scene are placed by its transforms and follow one another.
+
+    Normals that the file lacks are averaged over all corners at the same position, weighted by angle. Albedo is, in
+    this order: the texture given here, the texture inside the file (times its base colour factor), the colours of the
+    vertices, the main colour of the material, and 0.5 where the file says nothing. Textures and vertex colours are
+    8-bit sRGB; colours that a material names are linear reflectances. A material file that an OBJ names but that is
+    not there is as good as none. Polygons become triangles; an OBJ's vertices at texture seams are split, as GLB's are.
+
+    Parameters
+    ----------
+    path
+        A name that ends in .glb, .obj, .ply or .stl.
+    texture
+        An image file to use in place of what the file says about albedo.
+    flip_texture
+        Turn that image upside down first, for maps made for the other direction of v.
+
+    Raises
+    ------
+    HarmonicFaceError
+        No such file, another ending, a file cut short or corrupt, no faces, NaN, indices out of range, a texture for a
+        mesh without texture coordinates, flip_texture without a texture.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp()) / "triangle.obj"
+    >>> _ = path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    >>> mesh = read_mesh(path)
+    >>> mesh.faces, mesh.normals[0], mesh.vertex_albedo[0]
+    (array([[0, 1, 2]]), array([0., 0., 1.]), array([0.5, 0.5, 0.5]))
+    """
+    file = Path(path)
+    if file.suffix.lower() not in ENDINGS:
+        raise HarmonicFaceError(f"{file}: expected a mesh ({' '.join(ENDINGS)}), got the ending {file.suffix!r}")
+    if flip_texture and texture is None:
+        raise HarmonicFaceError("flip_texture: expected a texture to flip, got none (give texture=)")
+    _check_bytes(file)
+    parts = _parts(file)
+    if not parts:
+        raise HarmonicFaceError(f"{file}: expected a mesh with faces, got a file without any")
+    try:
+        mesh = _joined(parts)
+    except HarmonicFaceError as error:
+        raise HarmonicFaceError(f"{file}: {error}") from None
+    return mesh if texture is None else _dressed(mesh, file, Path(texture), flip_texture)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """One geometry of a scene at its place."""
+
+    vertices: Doubles
+    faces: NDArray[np.int64]
+    normals: Doubles
+    uv: Doubles | None
+    texture: NDArray[np.float32] | None
+    albedo: Doubles
+
+
+def _check_bytes(file: Path) -> None:
+    """Refuse what the parser would take without a word: a GLB cut short, an OBJ that counts from 0."""
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise HarmonicFaceError(f"{file}: expected a mesh, got {error.strerror or error}") from None
+    if file.suffix.lower() == ".glb":
+        length = int.from_bytes(data[8:12], "little")
+        if data[:4] != b"glTF" or len(data) < 12:
+            raise HarmonicFaceError(f"{file}: expected a GLB file, got one that does not start with 'glTF'")
+        if len(data) < length:
+            raise HarmonicFaceError(f"{file}: expected a GLB file of {length} bytes, got one cut short at {len(data)}")
+    if file.suffix.lower() == ".obj":
+        if re.search(rb"^f[^\n]*\s0(?=[/\s])", data + b"\n", re.MULTILINE):
+            raise HarmonicFaceError(f"{file}: expected vertex indices from 1, got a face with index 0")
+        relative = re.search(rb"^f[^\n]*\s-\d", data, re.MULTILINE)
+        if relative and data.find(b"\nv ", relative.start()) >= 0:
+            raise HarmonicFaceError(
+                f"{file}: expected all vertices before the first relative (negative) index, got some behind it"
+            )
+
+
+def _parts(file: Path) -> list[_Part]:
+    """Return the triangle meshes of a file in the file's order."""
+    try:
+        with _quiet():
+            scene = trimesh.load_scene(file, process=False)
+            places = [scene.graph.get(node) for node in scene.graph.nodes_geometry]
+            if file.suffix.lower() == ".obj":  # trimesh takes an OBJ's groups from the last to the first
+                order = {name: -number for number, name in enumerate(scene.geometry)}
+                places.sort(key=lambda place: order[place[1]])
+            return [
+                _part(scene.geometry[name], np.asarray(matrix, dtype=np.float64))
+                for matrix, name in places
+                if len(getattr(scene.geometry[name], "faces", ())) > 0
+            ]
+    except HarmonicFaceError as error:
+        raise HarmonicFaceError(f"{file}: {error}") from None
+    except Exception as error:  # the parsers raise whatever they stumble over
+        reason = str(error).strip().splitlines()[0][:200] if str(error).strip() else "no reason given"
+        raise HarmonicFaceError(
+            f"{file}: expected a whole mesh, got one cut short or corrupt: {type(error).__name__}: {reason}"
+        ) from None
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep the parser from logging, and let numpy's warning about unreadable numbers be an error."""
+    logger = logging.getLogger("trimesh")
+    disabled = logger.disabled
+    logger.disabled = True
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            warnings.simplefilter("error", DeprecationWarning)
+            yield
+    finally:
+        logger.disabled = disabled
+
+
+def _part(geometry: Any, matrix: Doubles) -> _Part:
+    """Place a geometry by its transform and read its colours."""
+    vertices = np.array(geometry.vertices, dtype=np.float64)
+    faces = np.array(geometry.faces, dtype=np.int64)
+    given = np.array(geometry.vertex_normals, dtype=np.float64) if "vertex_normals" in geometry._cache else None
+    if not np.array_equal(matrix, np.eye(4)):
+        linear = matrix[:3, :3]
+        determinant = np.linalg.det(linear)
+        vertices = vertices @ linear.T + matrix[:3, 3]
+        if determinant < 0:
+            faces = np.ascontiguousarray(faces[:, ::-1])  # a mirrored triangle runs the other way round
+        if given is not None and determinant != 0:
+            given = given @ np.linalg.inv(linear)  # normals go by the inverse transpose
+    _check(vertices, faces)
+    normals = vertex_normals(vertices, faces)
+    if given is not None:
+        length = np.linalg.norm(given, axis=1, keepdims=True)
+        if not np.isfinite(length).all():
+            raise HarmonicFaceError("expected finite normals, got NaN or infinite ones")
+        normals = np.divide(given, length, out=normals, where=length > 0)
+    uv, texture, albedo = _colours(geometry.visual, len(vertices))
+    return _Part(vertices, faces, normals, uv, texture, albedo)
+
+
+def _check(vertices: Doubles, faces: NDArray[np.int64]) -> None:
+    if not np.isfinite(vertices).all():
+        raise HarmonicFaceError(f"expected finite vertices, got {int((~np.isfinite(vertices)).any(axis=1).sum())} NaN")
+    if faces.ndim != 2 or faces.shape[1] != 3 or faces.min() < 0 or faces.max() >= len(vertices):
+        raise HarmonicFaceError(
+            f"expected triangles of vertices 0 to {len(vertices) - 1}, got indices {faces.min()} to {faces.max()}"
+        )
+
+
+def _colours(visual: Any, count: int) -> tuple[Doubles | None, NDArray[np.float32] | None, Doubles]:
+    """Return texture coordinates, texture and linear albedo of `count` vertices."""
+    uv, material = getattr(visual, "uv", None), getattr(visual, "material", None)
+    uv = None if uv is None or len(uv) != count else np.array(uv, dtype=np.float64)
+    if uv is not None and not np.isfinite(uv).all():
+        raise HarmonicFaceError("expected finite texture coordinates, got NaN or infinite ones")
+    picture = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
+    texture = None
+    if isinstance(picture, Image.Image):
+        if uv is None:
+            raise HarmonicFaceError("expected texture coordinates for the texture inside the file, got none")
+        texture = np.ascontiguousarray(linear_pixels(pillow_pixels(picture), "srgb"))
+    factor = getattr(material, "baseColorFactor", None)
+    if texture is not None:
+        main = np.ones(3) if factor is None else _reflectance(factor)
+        return uv, texture, np.tile(main, (count, 1))
+    colours = _vertex_colours(visual)
+    if colours is not None and len(colours) == count:
+        return uv, None, linear_pixels(colours[:, None, :3], "srgb")[:, 0].astype(np.float64)
+    if factor is None:
+        factor = getattr(material, "kwargs", {}).get("kd")
+        main = np.full(3, UNKNOWN_ALBEDO) if factor is None else np.resize(np.asarray(factor, dtype=np.float64), 3)
+    else:
+        main = _reflectance(factor)
+    return uv, None, np.tile(main, (count, 1))
+
+
+def _reflectance(factor: Any) -> Doubles:
+    """Return the linear red, green and blue of a base colour factor, which trimesh keeps as bytes."""
+    array = np.asarray(factor)
+    return array[:3].astype(np.float64) / (255 if array.dtype.kind in "ui" else 1)
+
+
+def _vertex_colours(visual: Any) -> NDArray[np.uint8] | None:
+    """Return the 8-bit colours of the vertices (those of faces are averaged), None where a file has none."""
+    if getattr(visual, "kind", None) in ("vertex", "face"):
+        return np.asarray(visual.vertex_colors, dtype=np.uint8)
+    colours = getattr(visual, "vertex_attributes", {}).get("color")
+    if colours is None:
+        return None
+    array = np.asarray(colours)
+    return np.rint(array * 255).clip(0, 255).astype(np.uint8) if array.dtype.kind == "f" else array.astype(np.uint8)
+
+
+def _joined(parts: list[_Part]) -> Mesh:
+    """Lay the parts behind one another."""
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    numbers = np.cumsum([part.texture is not None for part in parts]) - 1
+    uv = None
+    if any(part.uv is not None for part in parts):
+        uv = np.concatenate([np.zeros((len(part.vertices), 2)) if part.uv is None else part.uv for part in parts])
+    wears = [-1 if part.texture is None else number for part, number in zip(parts, numbers, strict=True)]
+    return Mesh(
+        vertices=np.concatenate([part.vertices for part in parts]),
+        faces=np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)]),
+        normals=np.concatenate([part.normals for part in parts]),
+        uv=uv,
+        textures=tuple(part.texture for part in parts if part.texture is not None),
+        face_texture=np.repeat(np.array(wears, dtype=np.int64), [len(part.faces) for part in parts]),
+        vertex_albedo=np.concatenate([part.albedo for part in parts]),
+    )
+
+
+def _dressed(mesh: Mesh, file: Path, texture: Path, flip: bool) -> Mesh:
+    """Return the mesh with another texture in place of its own albedo."""
+    if mesh.uv is None:
+        raise HarmonicFaceError(f"{file}: expected texture coordinates for {texture.name}, got a mesh without any")
+    image = read_image(texture)
+    image = np.ascontiguousarray(image[::-1]) if flip else image
+    everywhere = np.zeros(len(mesh.faces), dtype=np.int64)
+    return Mesh(
+        mesh.vertices, mesh.faces, mesh.normals, mesh.uv, (image,), everywhere, np.ones_like(mesh.vertex_albedo)
+    )
