@@ -52,7 +52,7 @@ def surface_from_mesh(
 
     Returns
     -------
-    Surface of float32 arrays, with depth in world units. Its albedo is (h, w), or (h, w, 3) if what is seen has colour.
+    Surface of float32 arrays, with depth in world units. Its albedo is (h, w), or (h, w, 3) if the mesh has colour.
 
     Raises
     ------
@@ -120,8 +120,7 @@ def _facing_normals(mesh: Mesh, view: View, points: NDArray[np.float64], raster:
     result = np.zeros((*seen.shape, 3))
     normals = raster.interpolate(view.turn(mesh.normals), mesh.faces)[seen]
     triangle = raster.triangle[seen]
-    own = _triangle_normals(points[mesh.faces[np.unique(triangle)]], view.pixel_size)
-    own = own[np.unique(triangle, return_inverse=True)[1]]
+    own = _triangle_normals(points[mesh.faces], view.pixel_size)[triangle]
     lost = np.linalg.norm(normals, axis=1) < 1e-6
     normals[lost] = own[lost]
     away = normals[:, 2] < 0
@@ -138,17 +137,17 @@ def _facing_normals(mesh: Mesh, view: View, points: NDArray[np.float64], raster:
 
 
 def _triangle_normals(corners: NDArray[np.float64], pixel_size: float) -> Floats:
-    """Return the unit normals of triangles in pixel coordinates, (t, 3), in the camera's axes."""
+    """Return the unit normals of triangles in pixel coordinates, (m, 3), in the camera's axes; 0 without area."""
     scaled = corners * np.array([pixel_size, -pixel_size, 1.0])
     normals = np.cross(scaled[:, 1] - scaled[:, 0], scaled[:, 2] - scaled[:, 0])
-    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.asarray(np.divide(normals, length, out=normals, where=length > 0))
 
 
 def _albedo(mesh: Mesh, points: NDArray[np.float64], raster: Raster) -> Floats:
     """Return the albedo at every pixel that sees the mesh: the vertices', times the texture's."""
     seen = raster.mask
     tint = raster.interpolate(mesh.vertex_albedo, mesh.faces)[seen]
-    grey = bool((tint == tint[:, :1]).all()) and all(texture.ndim == 2 for texture in mesh.textures)
     wears = mesh.face_texture[raster.triangle[seen]]
     if mesh.uv is not None and mesh.textures:
         uv = raster.interpolate(mesh.uv, mesh.faces)[seen]
@@ -159,7 +158,7 @@ def _albedo(mesh: Mesh, points: NDArray[np.float64], raster: Raster) -> Floats:
             tint[here] *= values.reshape(len(values), -1)
     result = np.zeros((*seen.shape, 3))
     result[seen] = tint
-    return np.ascontiguousarray(result[..., 0]) if grey else result
+    return np.ascontiguousarray(result[..., 0]) if mesh.is_grey else result
 
 
 def _texels(
@@ -168,14 +167,11 @@ def _texels(
     """Return how many texels a pixel covers along one side, the median over the pixels of some triangles."""
     if mesh.uv is None or len(triangle) == 0:
         return 1.0
-    unique, pixels = np.unique(triangle, return_counts=True)
-    corners = mesh.faces[unique]
-    texture_area = _areas(mesh.uv[corners] * np.array([shape[1], shape[0]]))
-    ratio = np.repeat(texture_area / _areas(points[corners, :2]), pixels)
-    return float(np.sqrt(np.median(ratio)))
+    texture_area = _areas(mesh.uv[mesh.faces] * np.array([shape[1], shape[0]]))[triangle]
+    return float(np.sqrt(np.median(texture_area / _areas(points[mesh.faces, :2])[triangle])))
 
 
 def _areas(corners: NDArray[np.float64]) -> Floats:
-    """Return twice the areas of triangles in a plane, (t,)."""
+    """Return twice the areas of triangles in a plane, (m,)."""
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

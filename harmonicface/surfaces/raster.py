@@ -75,7 +75,11 @@ class Raster:
         if seen.size and seen.max() >= len(corners):
             raise HarmonicFaceError(f"faces: expected at least {seen.max() + 1} triangles, got {len(corners)}")
         result = np.zeros((*mask.shape, *values.shape[1:]), dtype=values.dtype)
-        result[mask] = np.einsum("pk,pk...->p...", self.weights[mask], values[corners[seen]])
+        weights = self.weights[mask].T
+        columns = values.reshape(len(values), -1).T
+        result.reshape(*mask.shape, -1)[mask] = np.stack(
+            [sum(weights[k] * column[corners[:, k]].take(seen) for k in range(3)) for column in columns], axis=1
+        )
         return result
 
 
@@ -190,13 +194,15 @@ class _Triangles:
         pixel = np.flatnonzero(seen < NOTHING)
         job = seen[pixel]
         row, column = np.divmod(pixel, shape[1])
-        x, y, dx, dy = self.edges[job].transpose(1, 0, 2)
-        weights = dx * (row[:, None] + 0.5 - y) - dy * (column[:, None] + 0.5 - x)
+        weights = np.empty((len(pixel), 3))
+        for corner in range(3):
+            x, y, dx, dy = (self.edges[:, part, corner].take(job) for part in range(4))
+            weights[:, corner] = dx * (row + 0.5 - y) - dy * (column + 0.5 - x)
         weights /= (weights[:, 0] + weights[:, 1] + weights[:, 2])[:, None]
         result = Raster(np.full(shape, -1, dtype=np.int32), np.zeros((*shape, 3)), np.full(shape, np.nan))
-        result.triangle.flat[pixel] = self.number[job]
+        result.triangle.reshape(-1)[pixel] = self.number[job]
         result.weights.reshape(-1, 3)[pixel] = weights
-        result.depth.flat[pixel] = np.einsum("pk,pk->p", weights, self.z[job])
+        result.depth.reshape(-1)[pixel] = np.einsum("pk,pk->p", weights, self.z[job])
         return result
 
 
