@@ -103,7 +103,7 @@ def _creases(c: Complexion, x: Array, y: Array, blur: float) -> Array:
     nostril = 1.4 * _spot(x, y, (7.6, -41.2), 3.0 + 0.3 * blur, 1.5 + 0.3 * blur)
     wing = 0.25 * _spot(x, y, (18.5, -41.0), 1.8 + blur, 4.0)
     mouth = 0.9 * share * np.exp(-0.5 * (y + 69.8 + 1.6 * (x / 25) ** 2) ** 2 / (0.8 * thin)) * edge(25 - side, 4.0)
-    fold = 0.25 * c.wrinkles * np.exp(-0.5 * (side - 22 + 0.42 * (y + 48)) ** 2 / (1.6 + blur**2))
+    fold = 0.2 * c.wrinkles * np.exp(-0.5 * (side - 22 + 0.42 * (y + 48)) ** 2 / (2.5 + blur**2))
     fold *= edge(-40 - y, 4.0) * edge(y + 70, 8.0)
     return np.asarray(np.exp(-(lashes + crease + nostril + wing + mouth + fold)))
 

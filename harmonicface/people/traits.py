@@ -95,7 +95,7 @@ TRAITS = (
     Trait("lower lip fullness", 1.3, bump(0, -76, 14, 4), -0.2, -0.3),
     Trait("lower lip height", 1.1, upward(lambda p: -p.near(0, -79, 17, 4)), -0.2, -0.2),
     Trait("cupid's bow", 0.5, both((1.0, upward(lambda p: p.near(5, -61, 4, 4))), (0.6, bump(5, -60, 3, 4)))),
-    Trait("mouth corner lift", 1.8, upward(lambda p: p.near(25, -71, 8, 7)), 0.0, -0.3),
+    Trait("mouth corner lift", 1.5, upward(lambda p: p.near(25, -71, 8, 7)), 0.0, -0.3),
     Trait("mouth line arch", 0.8, upward(lambda p: p.near(10, -70, 6, 6) - p.near(0, -70, 5, 6))),
     Trait("mouth corner depth", 0.9, bump(27, -72, 6, 6)),
     Trait("philtrum depth", 0.5, both((-1.0, bump(0, -55, 2.6, 5)), (0.7, bump(6, -56, 2.6, 6)))),
