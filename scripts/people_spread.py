@@ -28,9 +28,12 @@ YALE_EYES = (36.0, 131.5, 45.0)  # columns of the two irises and their row in th
 
 def yale_people(folder: Path, size: int, people: range = range(1, 12)) -> list[Surface]:
     """Return people of Yale B by stereo, resampled to where the synthetic ones have their eyes."""
-    return [
-        _in_our_frame(_by_stereo(person.photographs, person.lights), size) for person in load_yale_b(folder, people)
-    ]
+    surfaces = []
+    for person in load_yale_b(folder, people):
+        near = person.subsets <= 2
+        stereo = calibrated_stereo(person.photographs[near], person.lights[near])
+        surfaces.append(_in_our_frame(stereo.surface, size))
+    return surfaces
 
 
 def _in_our_frame(surface: Surface, size: int) -> Surface:

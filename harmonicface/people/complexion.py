@@ -84,8 +84,8 @@ class Complexion:
 def draw_complexion(rng: np.random.Generator, masculine: float, age: float) -> Complexion:
     """Draw the complexion of a person of some masculinity and age (standard normal numbers)."""
     darkness = rng.normal()  # skin, hair and eyes darken together
-    tone = float(np.clip(0.48 - 0.085 * darkness, 0.2, 0.75))
-    hair = float(np.clip(0.075 * np.exp(0.6 * rng.normal() - 0.35 * darkness + 0.15 * age), 0.02, 0.3))
+    tone = float(np.clip(0.48 - 0.08 * darkness, 0.2, 0.75))
+    hair = float(np.clip(0.065 * np.exp(0.6 * rng.normal() - 0.3 * darkness + 0.15 * age), 0.02, 0.3))
     shaven = rng.random() < 0.8
     beard = rng.choice(4) if masculine > 0.2 and not shaven else -1
     beard_density = rng.uniform(0.4, 0.8) if beard == 0 else 0.0
@@ -102,7 +102,7 @@ def draw_complexion(rng: np.random.Generator, masculine: float, age: float) -> C
         brow_length=float(np.clip(41 + 3 * rng.normal(), 32, 48)),
         brow_arch=float(np.clip(3.0 - 0.7 * masculine + 1.3 * rng.normal(), 0, 7)),
         brow_gap=float(np.clip(11.5 - 0.8 * masculine + 2.2 * rng.normal(), 3, 17)),
-        brow_density=float(np.clip(0.82 + 0.06 * masculine - 0.04 * age + 0.17 * rng.normal(), 0.2, 0.97)),
+        brow_density=float(np.clip(0.87 + 0.05 * masculine - 0.03 * age + 0.15 * rng.normal(), 0.3, 0.97)),
         beard_density=float(beard_density),
         moustache_density=float(moustache),
         chin_beard_density=float(chin_beard),

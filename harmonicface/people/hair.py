@@ -55,7 +55,9 @@ def _beard(c: Complexion, x: Array, y: Array, strands: Array) -> Array:
     x, y, strands = x[low], y[low], strands[low]
     side = np.abs(x)
     ragged = 1.0 * strands
-    moustache = edge(27 - side + ragged, 6) * edge(-50 - y - 0.1 * side + ragged, 3) * edge(y + 64 + 0.25 * side, 3)
+    moustache = (
+        edge(-50.5 - y - 0.006 * side**2 + ragged, 3) * edge(y + 63 + 0.01 * side**2, 3) * edge(30 - side + ragged, 8)
+    )
     cheek = edge(-44 - 0.9 * (60 - side) - y + ragged, 12) * edge(side - 25, 9)
     below = edge(-82 - y + 0.1 * side + ragged, 5)
     full = np.maximum(np.maximum(cheek, below), moustache * 0.95)

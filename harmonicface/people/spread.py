@@ -135,7 +135,7 @@ def common_mask(people: Sequence[Surface], within: NDArray[np.bool_] | None = No
     shapes = {person.shape for person in people} | ({within.shape} if within is not None else set())
     if len(shapes) != 1:
         raise HarmonicFaceError(f"people: expected Surfaces of one shape, got {sorted(shapes)}")
-    common: NDArray[np.bool_] = np.stack([person.mask for person in people]).all(axis=0)
+    common = np.asarray(np.stack([person.mask for person in people]).all(axis=0))
     if within is not None:
         common = common & within
     if not common.any():
