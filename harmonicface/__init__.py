@@ -1,1 +1,46 @@
 """Recognize faces under any lighting, and measure light and shape, with harmonic subspaces."""
+
+from harmonicface.appearance.basis import harmonic_images
+from harmonicface.appearance.render import render
+from harmonicface.appearance.sensor import photograph
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.gallery import Gallery
+from harmonicface.gallery.match import Candidate, Match
+from harmonicface.io.images import read_image, write_image
+from harmonicface.lighting import lights
+from harmonicface.lighting.environment import EnvironmentMap
+from harmonicface.lighting.light import HarmonicLight, Light
+from harmonicface.people.synthetic import synthetic_people, synthetic_person
+from harmonicface.recognition.subspace import Subspace
+from harmonicface.recognition.verification import Verification, verify
+from harmonicface.surfaces.depth import surface_from_depth
+from harmonicface.surfaces.load import load_surface, surface_from_normals
+from harmonicface.surfaces.surface import Surface
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Candidate",
+    "EnvironmentMap",
+    "Gallery",
+    "HarmonicFaceError",
+    "HarmonicLight",
+    "Light",
+    "Match",
+    "Subspace",
+    "Surface",
+    "Verification",
+    "__version__",
+    "harmonic_images",
+    "lights",
+    "load_surface",
+    "photograph",
+    "read_image",
+    "render",
+    "surface_from_depth",
+    "surface_from_normals",
+    "synthetic_people",
+    "synthetic_person",
+    "verify",
+    "write_image",
+]

@@ -4,26 +4,33 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.bench.benchmark import run_benchmark
 from harmonicface.bench.contenders import METHODS
 from harmonicface.bench.report import results, write_report
-from harmonicface.bench.table import error_table, margin_table
+from harmonicface.bench.table import error_table, margin_table, yale_table
+from harmonicface.bench.yale_b import TRAINING, evaluate_yale_b
+from harmonicface.datasets.yale_b import parse_people
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
 from harmonicface.io.images import read_image, write_image
+from harmonicface.io.meshes import ENDINGS as MESH_ENDINGS
 from harmonicface.io.pictures import signed_colours
-from harmonicface.surfaces.load import SURFACE_ENDINGS, load_surface
+from harmonicface.surfaces.load import load_surface
 from harmonicface.surfaces.surface import Surface
 
 app = typer.Typer(
@@ -35,7 +42,9 @@ app = typer.Typer(
 evaluate = typer.Typer(help="Published protocols on data that you have.", no_args_is_help=True)
 app.add_typer(evaluate, name="evaluate")
 
-Source = Annotated[Path, typer.Argument(help="A mesh (GLB, OBJ, PLY, STL) or a saved Surface (.npz).", show_default=False)]
+Source = Annotated[
+    Path, typer.Argument(help="A mesh (GLB, OBJ, PLY, STL) or a saved Surface (.npz).", show_default=False)
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Size = Annotated[int, typer.Option(help="Height and width in pixels at which a mesh is seen.")]
 Texture = Annotated[Path | None, typer.Option(help="Picture with the mesh's colours.")]
@@ -56,22 +65,16 @@ def bench(
     as_json: AsJson = False,
 ) -> None:
     """Recognize synthetic people under light that no gallery picture showed, by every method."""
-    chosen = _names(methods) if methods else METHODS
-    with _progress() as bar:
-        tasks: dict[str, object] = {}
-
-        def tell(what: str, done: int, of: int) -> None:
-            if what not in tasks:
-                tasks[what] = bar.add_task(what, total=of)
-            bar.update(tasks[what], completed=done)  # type: ignore[arg-type]
-
-        result = run_benchmark(faces, size, seed, queries, chosen, tell)
+    with _progress() as tell:
+        result = run_benchmark(faces, size, seed, queries, _methods(methods), tell)
     page = write_report(result, out)
     if as_json:
         typer.echo(json.dumps(results(result)))
         return
-    _print_table("Errors by kind of light", *error_table(result))
-    _print_table("Nine harmonic images: margin, and who is refused as unknown", *margin_table(result))
+    _print_table("Wrong answers by kind of light, %; milliseconds a photograph; KiB a person", *error_table(result))
+    _print_table(
+        "Nine harmonic images: margin of the right person; who is refused as unknown, %", *margin_table(result)
+    )
     typer.echo(f"\nReport: {page.resolve()}")
 
 
@@ -81,7 +84,9 @@ def enroll(
     name: Annotated[str, typer.Argument(help="Who it is.", show_default=False)],
     source: Annotated[
         list[Path],
-        typer.Argument(help="A mesh, a saved Surface, or at least three photographs under different lights.", show_default=False),
+        typer.Argument(
+            help="A mesh, a saved Surface, or at least three photographs under different lights.", show_default=False
+        ),
     ],
     size: Size = 64,
     texture: Texture = None,
@@ -91,7 +96,7 @@ def enroll(
 ) -> None:
     """Add a person to a gallery."""
     people = Gallery.open(gallery) if gallery.exists() else Gallery()
-    if len(source) == 1 and source[0].suffix.lower() in SURFACE_ENDINGS:
+    if len(source) == 1 and source[0].suffix.lower() in (".npz", *MESH_ENDINGS):
         people.enroll(name, _surface(source[0], size, texture, flip_texture, rotation, frame))
     else:
         people.enroll(name, _photographs(source))
@@ -108,12 +113,14 @@ def match(
 ) -> None:
     """Say whose face each photograph shows."""
     people = Gallery.open(gallery)
-    answers = [(path, people.match(_read_photo(path), top)) for path in photo]
+    answers = [(path, people.match(read_image(path), top)) for path in photo]
     if as_json:
         typer.echo(json.dumps({"gallery": str(gallery), "matches": [_as_dict(path, found) for path, found in answers]}))
         return
     for path, found in answers:
-        typer.echo(f"{path}: {found.name or 'unknown'} at distance {found.distance:.4f} (named up to {found.threshold:g})")
+        typer.echo(
+            f"{path}: {found.name or 'unknown'} at distance {found.distance:.4f} (named up to {found.threshold:g})"
+        )
         for candidate in found.candidates:
             typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
 
@@ -147,6 +154,24 @@ def images(
     typer.echo(f"{len(pictures)} pictures and surface.npz are in {out}")
 
 
+@evaluate.command("yale-b")
+def evaluate_yale(
+    folder: Annotated[Path, typer.Argument(help="Folder of yaleB01, yaleB02, ...", show_default=False)],
+    people: Annotated[str | None, typer.Option(help="As 1-10 or 1,3,5.", show_default="all")] = None,
+    train: Annotated[str, typer.Option(help=f"One of {', '.join(TRAINING)}.")] = "subset1",
+    methods: Methods = None,
+    as_json: AsJson = False,
+) -> None:
+    """Recognize real photographs: the Extended Yale Face Database B, trained on frontal light."""
+    numbers = None if people is None else parse_people(people)
+    with _progress() as tell:
+        result = evaluate_yale_b(folder, numbers, train, _methods(methods), tell)
+    if as_json:
+        typer.echo(json.dumps(asdict(result)))
+        return
+    _print_table(f"Wrong answers by subset, %, trained on {train}; milliseconds a photograph", *yale_table(result))
+
+
 def main() -> None:
     """Run the command line; bad input ends in one line on standard error and exit code 2."""
     try:
@@ -172,10 +197,12 @@ def _surface(path: Path, size: int, texture: Path | None, flip: bool, rotation: 
 
 def _photographs(paths: list[Path]) -> np.ndarray:
     """Read photographs of one size."""
-    photos = [_read_photo(path) for path in paths]
+    photos = [read_image(path) for path in paths]
     for path, photo in zip(paths, photos, strict=True):
         if photo.shape != photos[0].shape:
-            raise HarmonicFaceError(f"{path}: expected the size of {paths[0]}, {photos[0].shape[:2]}, got {photo.shape[:2]}")
+            raise HarmonicFaceError(
+                f"{path}: expected the size of {paths[0]}, {photos[0].shape[:2]}, got {photo.shape[:2]}"
+            )
     return np.stack(photos)
 
 
@@ -190,8 +217,9 @@ def _numbers(text: str, count: int, name: str) -> tuple[float, ...]:
     return numbers
 
 
-def _names(text: str) -> list[str]:
-    return [part.strip() for part in text.split(",") if part.strip()]
+def _methods(text: str | None) -> Sequence[str]:
+    """Parse comma-separated names of methods; all of them by default."""
+    return METHODS if text is None else [part.strip() for part in text.split(",")]
 
 
 def _as_dict(path: Path, found: Match) -> dict[str, object]:
@@ -205,15 +233,25 @@ def _as_dict(path: Path, found: Match) -> dict[str, object]:
     }
 
 
-def _progress() -> Progress:
+@contextmanager
+def _progress() -> Iterator[Callable[[str, int, int], None]]:
+    """Show bars on standard error, one for each thing that is done."""
     columns = TextColumn("{task.description:>28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    return Progress(*columns, console=Console(stderr=True))
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        tasks: dict[str, TaskID] = {}
+
+        def tell(what: str, done: int, of: int) -> None:
+            if what not in tasks:
+                tasks[what] = bar.add_task(what, total=of)
+            bar.update(tasks[what], completed=done)
+
+        yield tell
 
 
 def _print_table(title: str, heads: list[str], rows: list[list[str]]) -> None:
-    table = Table(title=title, title_justify="left")
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, show_edge=False, padding=(0, 1, 0, 0))
     for index, head in enumerate(heads):
-        table.add_column(head, justify="right" if index else "left")
+        table.add_column(head, justify="right" if index else "left", no_wrap=True)
     for row in rows:
         table.add_row(*row)
     Console().print(table)

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.appearance.render import render
 from harmonicface.bench.benchmark import BenchmarkResult, MethodResult, Query
@@ -23,7 +22,7 @@ matplotlib.use("Agg")
 OURS = "harmonic9"
 INK = "#22303c"
 ACCENT = "#c8553d"
-HARMONIC_NAMES = ("1", "y", "z", "x", "xy", "yz", "3z² − 1", "xz", "x² − y²")
+HARMONIC_NAMES = ("1", "y", "z", "x", "xy", "yz", "3z²-1", "xz", "x²-y²")
 EXAMPLES = 4
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from harmonicface.bench.benchmark import BenchmarkResult
+from harmonicface.bench.yale_b import YaleResult
 
 
 def error_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows: per method the error per tier in %, time a photograph, memory a person."""
-    heads = ["method", *(f"{tier} %" for tier in result.queries), "ms / photo", "KiB / person"]
+    """Return heads and rows: per method the error per tier in %, milliseconds a photograph, KiB a person."""
+    heads = ["method", *result.queries, "ms", "KiB"]
     rows = [
         [
             method.method,
@@ -22,7 +23,7 @@ def error_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
 
 def margin_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
     """Return heads and rows: per tier the margin of the nine harmonic images, and who is refused as unknown."""
-    heads = ["tier", "median margin", "worst margin", "enrolled refused %", "strangers refused %"]
+    heads = ["light", "median margin", "worst margin", "refused: enrolled", "strangers"]
     rows = [
         [
             tier,
@@ -32,5 +33,15 @@ def margin_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
             f"{100 * result.open_set[tier].strangers_refused:.1f}",
         ]
         for tier, margin in result.margins.items()
+    ]
+    return heads, rows
+
+
+def yale_table(result: YaleResult) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows: per method the error per subset in %, milliseconds a photograph."""
+    heads = ["method", *(f"subset {subset}" for subset, count in result.n.items() if count), "ms"]
+    rows = [
+        [name, *(f"{percent:.2f}" for percent in method.error_percent.values()), f"{method.ms_per_query:.2f}"]
+        for name, method in result.methods.items()
     ]
     return heads, rows

@@ -77,11 +77,12 @@ def _tilted(angle: float, around: float) -> NDArray[np.float64]:
     return np.array([np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), np.cos(angle)])
 
 
+# The bounds of frontal, side and extreme are those between the subsets of the Yale Face Database B.
 TIERS = (
     Tier("frontal", "one lamp within 25° of the camera", _lamp(0, 25)),
-    Tier("side", "one lamp 35° to 60° from the camera", _lamp(35, 60)),
+    Tier("side", "one lamp 25° to 77° from the camera", _lamp(25, 77)),
     Tier("several", "two to four broad lamps up to 80° and ambient light", _several),
     Tier("natural", "a random environment: sky, ground, clutter, windows", natural),
-    Tier("noise", "one lamp 35° to 60°, noise of 5 % of full scale", _lamp(35, 60), noise=0.05),
-    Tier("extreme", "one lamp 75° to 90° from the camera", _lamp(75, 90)),
+    Tier("noise", "one lamp 25° to 77°, noise of 5 % of full scale", _lamp(25, 77), noise=0.05),
+    Tier("extreme", "one lamp 77° to 110° from the camera: beside the face or behind it", _lamp(77, 110)),
 )
