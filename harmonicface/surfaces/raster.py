@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.surfaces.view import checked_shape
 
 Integers = NDArray[np.integer[Any]]
 
@@ -119,6 +120,7 @@ def rasterize(points: ArrayLike, faces: ArrayLike, shape: tuple[int, int]) -> Ra
     if vertices.ndim != 2:
         raise HarmonicFaceError(f"points: expected shape (n, 3), got {_validate.describe(vertices)}")
     corners = checked_faces(faces, len(vertices))
+    shape = checked_shape(shape)
     triangles = _Triangles.of(vertices, corners, shape)
     nearest = np.full(shape[0] * shape[1], -np.inf)
     seen = np.full(nearest.shape, NOTHING)
