@@ -21,6 +21,8 @@ def draw_knots(rng: np.random.Generator, across: float, up: float) -> NDArray[np
 
 def field_at(knots: NDArray[np.float32], x: Array, y: Array, across: float, up: float) -> Array:
     """Return the cubic field through knots at places in mm, (p,); beyond the area it is mirrored."""
+    if not len(x):
+        return np.zeros(0)
     lines = -(-len(x) // REMAPPED)
     columns, rows = (
         np.resize(((place - start) / spacing).astype(np.float32), (lines, REMAPPED))

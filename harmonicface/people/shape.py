@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 # (distance between bumps in mm, standard deviation of each in mm): unevenness that no trait names
 UNEVENNESS = ((24.0, 0.5), (11.0, 0.2), (5.0, 0.05))
+RIM = 0.03  # smallest z of a normal
 SYMMETRIC_SHARE = 0.8  # of the variance of the unevenness, the same on both sides
 
 
@@ -111,12 +112,15 @@ def _with_eyeballs(points: Array, lattice: Lattice) -> Head:
         seen = points[eye]
         beside = ((seen[:, :2] - centre[:2]) ** 2).sum(axis=1)
         ball = centre[2] + np.sqrt(np.maximum(EYEBALL_RADIUS**2 - beside, 0))
-        seen[:, 2] = np.clip(ball, seen[:, 2] - 2 * LID_THICKNESS, seen[:, 2] - LID_THICKNESS / 3)
+        seen[:, 2] = np.clip(ball, seen[:, 2] - 3 * LID_THICKNESS, seen[:, 2] - LID_THICKNESS / 3)
         centres.append(centre)
         placed.append(seen)
     for eye, seen in zip(lattice.eyes, placed, strict=True):
         points[eye] = seen
     normals = lattice_normals(points)
+    # a nose wing may fold over its groove: what is seen there turns away from the camera no further than its rim
+    normals[..., 2] = np.maximum(normals[..., 2], RIM)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     for eye, seen, centre in zip(lattice.eyes, placed, centres, strict=True):
         radial = seen - centre
         normals[eye] = radial / np.linalg.norm(radial, axis=1, keepdims=True)
