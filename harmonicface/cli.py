@@ -118,9 +118,7 @@ def match(
         typer.echo(json.dumps({"gallery": str(gallery), "matches": [_as_dict(path, found) for path, found in answers]}))
         return
     for path, found in answers:
-        typer.echo(
-            f"{path}: {found.name or 'unknown'} at distance {found.distance:.4f} (named up to {found.threshold:g})"
-        )
+        typer.echo(f"{path}: {found.name or 'unknown'} (distance {found.distance:.4f}, margin {found.margin:.2f})")
         for candidate in found.candidates:
             typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
 
@@ -227,7 +225,7 @@ def _as_dict(path: Path, found: Match) -> dict[str, object]:
         "photo": str(path),
         "name": found.name,
         "distance": found.distance,
-        "threshold": found.threshold,
+        "margin": found.margin if np.isfinite(found.margin) else None,
         "light": None if found.light is None else found.light.values.tolist(),
         "candidates": [{"name": candidate.name, "distance": candidate.distance} for candidate in found.candidates],
     }

@@ -17,7 +17,6 @@ from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.lighting.light import Light
 from harmonicface.people.synthetic import synthetic_people
-from harmonicface.recognition.verification import DEFAULT_THRESHOLD
 from harmonicface.surfaces.surface import Surface
 
 MARGIN_METHOD = "harmonic9"
@@ -55,7 +54,7 @@ class Margin:
 
 @dataclass(frozen=True)
 class OpenSet:
-    """Share of queries refused at the default threshold: of enrolled people (wrong) and of strangers (right)."""
+    """Share of queries that the gallery calls unknown: of enrolled people (wrong) and of strangers (right)."""
 
     enrolled_refused: float
     strangers_refused: float
@@ -202,9 +201,9 @@ def _margin(gallery: Gallery, people: Sequence[Person], queries: Sequence[Query]
 
 
 def _open_set(gallery: Gallery, enrolled: Sequence[Query], strangers: Sequence[Query]) -> OpenSet:
-    """Return how often the default threshold refuses those who are in the gallery, and those who are not."""
+    """Return how often the gallery refuses to name those who are in it, and those who are not."""
 
     def refused(queries: Sequence[Query]) -> float:
-        return float(np.mean([gallery.match(query.photo, top=1).distance > DEFAULT_THRESHOLD for query in queries]))
+        return float(np.mean([gallery.match(query.photo, top=1).name is None for query in queries]))
 
     return OpenSet(refused(enrolled), refused(strangers))

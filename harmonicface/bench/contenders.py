@@ -43,7 +43,7 @@ class GalleryContender:
     """A subspace model behind the public `Gallery`: timed as a user would call it."""
 
     def __init__(self, model: str) -> None:
-        self.gallery = Gallery(model=model, threshold=1.0)
+        self.gallery = Gallery(model=model)
         self._index: dict[str, int] = {}
 
     @property

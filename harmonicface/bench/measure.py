@@ -11,6 +11,8 @@ from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from harmonicface.io.files import replacing
+
 PACKAGES = ("harmonicface", "numpy", "scipy", "opencv-contrib-python-headless", "scikit-learn", "trimesh")
 
 
@@ -81,7 +83,18 @@ def machine() -> dict[str, object]:
 
 def write_records(path: str | os.PathLike[str], records: Sequence[Record]) -> None:
     """Write records as a JSON list."""
-    Path(path).write_text(json.dumps([record.as_dict() for record in records], indent=2) + "\n", encoding="utf-8")
+    with replacing(path) as temporary:
+        text = json.dumps([record.as_dict() for record in records], indent=2)
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def print_records(records: Sequence[Record]) -> None:
+    """Print records, one to a paragraph."""
+    for record in records:
+        print(f"{record.name}, {record.size}: {1e3 * record.seconds:.2f} ms", end="")
+        if record.peer_seconds is not None:
+            print(f"; {record.peer}: {1e3 * record.peer_seconds:.2f} ms; ratio {record.ratio:.2f}", end="")
+        print(f"\n    error {record.error}; {record.note}")
 
 
 def _processor() -> str:

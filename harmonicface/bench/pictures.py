@@ -55,9 +55,9 @@ def explanations_picture(result: BenchmarkResult) -> bytes:
     figure, axes = _grid(len(result.asked), len(titles), 1.25)
     for axis, title in zip(axes[0], titles, strict=True):
         axis.set_title(title, fontsize=10, color=INK)
-    for row, (tier, queries) in zip(axes, result.asked.items(), strict=True):
+    for number, (row, (tier, queries)) in enumerate(zip(axes, result.asked.items(), strict=True)):
         row[0].set_ylabel(tier, rotation=0, ha="right", va="center", color=INK, fontsize=10)
-        _explain(row, result, queries[len(queries) // 2])
+        _explain(row, result, queries[(2 * number + 1) * len(queries) // (2 * len(axes))])
     return _png(figure)
 
 
@@ -73,7 +73,7 @@ def tradeoff_picture(methods: Sequence[MethodResult], queries: dict[str, int]) -
         axis.annotate(
             method.method,
             (method.milliseconds, percent),
-            xytext=(8, 5),
+            xytext=(8, -14 if ours else 5),
             textcoords="offset points",
             color=ACCENT if ours else INK,
             fontweight="bold" if ours else "normal",

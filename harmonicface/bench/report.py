@@ -17,7 +17,6 @@ from harmonicface.bench.table import error_table, margin_table
 from harmonicface.bench.tiers import TIERS
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
-from harmonicface.recognition.verification import DEFAULT_THRESHOLD
 
 TEMPLATE = Path(__file__).with_name("report.html.template")
 
@@ -65,7 +64,8 @@ def results(result: BenchmarkResult) -> dict[str, object]:
         },
         "margins": {tier: asdict(margin) for tier, margin in result.margins.items()},
         "open_set": {tier: asdict(rates) for tier, rates in result.open_set.items()},
-        "threshold": DEFAULT_THRESHOLD,
+        "threshold": result.gallery.threshold,
+        "margin": result.gallery.margin,
         "machine": machine(),
     }
 
@@ -85,7 +85,8 @@ def _page(result: BenchmarkResult) -> str:
         seed=result.seed,
         queries=queries,
         each=queries // len(result.queries),
-        threshold=DEFAULT_THRESHOLD,
+        threshold=result.gallery.threshold,
+        margin=f"{result.gallery.margin:.2f}",
         tiers="".join(f"<dt>{html.escape(tier.name)}</dt><dd>{html.escape(tier.about)}</dd>" for tier in TIERS),
         errors=_table(*error_table(result), MARGIN_METHOD),
         margins=_table(*margin_table(result)),

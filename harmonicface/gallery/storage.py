@@ -26,6 +26,7 @@ class Contents:
 
     model: str
     threshold: float
+    margin: float
     mask: NDArray[np.bool_]
     rows: StackedRows
     sources: dict[str, str]
@@ -40,7 +41,12 @@ def write(path: str | os.PathLike[str], contents: Contents) -> None:
         "to_coefficients": np.concatenate([matrix.ravel() for matrix in matrices]),
         "shapes": np.array([matrix.shape for matrix in matrices], np.int64),
     }
-    about = {"model": contents.model, "threshold": contents.threshold, "people": list(contents.sources.items())}
+    about = {
+        "model": contents.model,
+        "threshold": contents.threshold,
+        "margin": contents.margin,
+        "people": list(contents.sources.items()),
+    }
     write_arrays(path, arrays, {"format": FORMAT, "version": str(VERSION), "about": json.dumps(about)})
 
 
@@ -79,10 +85,11 @@ def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Content
         and len(sources) == len(about["people"]) == len(shapes)
         and set(sources.values()) <= set(SOURCES)
         and about["model"] in SUBSPACE_MODELS
-        and 0 <= float(about["threshold"]) <= 1
+        and 0 <= about["threshold"] <= 1
+        and about["margin"] >= 1
         and bool(np.isfinite(rows).all() and np.isfinite(arrays["to_coefficients"]).all())
     )
     if not agrees:
         raise ValueError("the parts of the gallery contradict each other")
     people = [matrix.reshape(shape) for matrix, shape in zip(matrices, shapes, strict=True)]
-    return Contents(about["model"], float(about["threshold"]), mask, StackedRows(rows, people), sources)
+    return Contents(about["model"], about["threshold"], about["margin"], mask, StackedRows(rows, people), sources)
