@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import logging
 import os
-import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,15 +13,14 @@ from typing import Any
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
-from PIL import Image
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.io.images import linear_pixels, read_image
-from harmonicface.io.pixels import pillow_pixels
+from harmonicface.io._mesh_bytes import check_bytes
+from harmonicface.io._mesh_colours import read_colours
+from harmonicface.io.images import read_image
 from harmonicface.io.vertex_normals import vertex_normals
 
 ENDINGS = (".glb", ".obj", ".ply", ".stl")
-UNKNOWN_ALBEDO = 0.5
 
 Doubles = NDArray[np.float64]
 
@@ -108,7 +105,7 @@ def read_mesh(
         raise HarmonicFaceError(f"{file}: expected a mesh ({' '.join(ENDINGS)}), got the ending {file.suffix!r}")
     if flip_texture and texture is None:
         raise HarmonicFaceError("flip_texture: expected a texture to flip, got none (give texture=)")
-    _check_bytes(file)
+    check_bytes(file)
     parts = _parts(file)
     if not parts:
         raise HarmonicFaceError(f"{file}: expected a mesh with faces, got a file without any")
@@ -131,37 +128,16 @@ class _Part:
     albedo: Doubles
 
 
-def _check_bytes(file: Path) -> None:
-    """Refuse what the parser would take without a word: a GLB cut short, an OBJ that counts from 0."""
-    try:
-        data = file.read_bytes()
-    except OSError as error:
-        raise HarmonicFaceError(f"{file}: expected a mesh, got {error.strerror or error}") from None
-    if file.suffix.lower() == ".glb":
-        length = int.from_bytes(data[8:12], "little")
-        if data[:4] != b"glTF" or len(data) < 12:
-            raise HarmonicFaceError(f"{file}: expected a GLB file, got one that does not start with 'glTF'")
-        if len(data) < length:
-            raise HarmonicFaceError(f"{file}: expected a GLB file of {length} bytes, got one cut short at {len(data)}")
-    if file.suffix.lower() == ".obj":
-        if re.search(rb"^f[^\n]*\s0(?=[/\s])", data + b"\n", re.MULTILINE):
-            raise HarmonicFaceError(f"{file}: expected vertex indices from 1, got a face with index 0")
-        relative = re.search(rb"^f[^\n]*\s-\d", data, re.MULTILINE)
-        if relative and data.find(b"\nv ", relative.start()) >= 0:
-            raise HarmonicFaceError(
-                f"{file}: expected all vertices before the first relative (negative) index, got some behind it"
-            )
-
-
 def _parts(file: Path) -> list[_Part]:
     """Return the triangle meshes of a file in the file's order."""
     try:
         with _quiet():
             scene = trimesh.load_scene(file, process=False)
             places = [scene.graph.get(node) for node in scene.graph.nodes_geometry]
-            if file.suffix.lower() == ".obj":  # trimesh takes an OBJ's groups from the last to the first
-                order = {name: -number for number, name in enumerate(scene.geometry)}
-                places.sort(key=lambda place: order[place[1]])
+            names = list(scene.geometry)
+            if file.suffix.lower() == ".obj":
+                names.reverse()  # trimesh takes an OBJ's groups from the last to the first
+            places.sort(key=lambda place: names.index(place[1]))
             return [
                 _part(scene.geometry[name], np.asarray(matrix, dtype=np.float64))
                 for matrix, name in places
@@ -179,7 +155,7 @@ def _parts(file: Path) -> list[_Part]:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Keep the parser from logging, and let numpy's warning about unreadable numbers be an error."""
-    logger = logging.getLogger("trimesh")
+    logger = trimesh.util.log
     disabled = logger.disabled
     logger.disabled = True
     try:
@@ -211,7 +187,7 @@ def _part(geometry: Any, matrix: Doubles) -> _Part:
         if not np.isfinite(length).all():
             raise HarmonicFaceError("expected finite normals, got NaN or infinite ones")
         normals = np.divide(given, length, out=normals, where=length > 0)
-    uv, texture, albedo = _colours(geometry.visual, len(vertices))
+    uv, texture, albedo = read_colours(geometry.visual, len(vertices))
     return _Part(vertices, faces, normals, uv, texture, albedo)
 
 
@@ -222,50 +198,6 @@ def _check(vertices: Doubles, faces: NDArray[np.int64]) -> None:
         raise HarmonicFaceError(
             f"expected triangles of vertices 0 to {len(vertices) - 1}, got indices {faces.min()} to {faces.max()}"
         )
-
-
-def _colours(visual: Any, count: int) -> tuple[Doubles | None, NDArray[np.float32] | None, Doubles]:
-    """Return texture coordinates, texture and linear albedo of `count` vertices."""
-    uv, material = getattr(visual, "uv", None), getattr(visual, "material", None)
-    uv = None if uv is None or len(uv) != count else np.array(uv, dtype=np.float64)
-    if uv is not None and not np.isfinite(uv).all():
-        raise HarmonicFaceError("expected finite texture coordinates, got NaN or infinite ones")
-    picture = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-    texture = None
-    if isinstance(picture, Image.Image):
-        if uv is None:
-            raise HarmonicFaceError("expected texture coordinates for the texture inside the file, got none")
-        texture = np.ascontiguousarray(linear_pixels(pillow_pixels(picture), "srgb"))
-    factor = getattr(material, "baseColorFactor", None)
-    if texture is not None:
-        main = np.ones(3) if factor is None else _reflectance(factor)
-        return uv, texture, np.tile(main, (count, 1))
-    colours = _vertex_colours(visual)
-    if colours is not None and len(colours) == count:
-        return uv, None, linear_pixels(colours[:, None, :3], "srgb")[:, 0].astype(np.float64)
-    if factor is None:
-        factor = getattr(material, "kwargs", {}).get("kd")
-        main = np.full(3, UNKNOWN_ALBEDO) if factor is None else np.resize(np.asarray(factor, dtype=np.float64), 3)
-    else:
-        main = _reflectance(factor)
-    return uv, None, np.tile(main, (count, 1))
-
-
-def _reflectance(factor: Any) -> Doubles:
-    """Return the linear red, green and blue of a base colour factor, which trimesh keeps as bytes."""
-    array = np.asarray(factor)
-    return array[:3].astype(np.float64) / (255 if array.dtype.kind in "ui" else 1)
-
-
-def _vertex_colours(visual: Any) -> NDArray[np.uint8] | None:
-    """Return the 8-bit colours of the vertices (those of faces are averaged), None where a file has none."""
-    if getattr(visual, "kind", None) in ("vertex", "face"):
-        return np.asarray(visual.vertex_colors, dtype=np.uint8)
-    colours = getattr(visual, "vertex_attributes", {}).get("color")
-    if colours is None:
-        return None
-    array = np.asarray(colours)
-    return np.rint(array * 255).clip(0, 255).astype(np.uint8) if array.dtype.kind == "f" else array.astype(np.uint8)
 
 
 def _joined(parts: list[_Part]) -> Mesh:
