@@ -12,7 +12,7 @@ from harmonicface.people.mottling import draw_knots
 Array = NDArray[np.float64]
 
 GRAIN = (30.0, 12.0, 5.0, 2.0)  # mm between the knots of the skin's mottling
-GRAIN_STRENGTH = (0.07, 0.05, 0.03, 0.03)  # standard deviation of the logarithm of albedo at each
+GRAIN_STRENGTH = (0.085, 0.05, 0.03, 0.03)  # standard deviation of the logarithm of albedo at each
 MARKS = 40  # room for that many freckles, moles and blemishes
 
 
@@ -97,7 +97,7 @@ def draw_complexion(rng: np.random.Generator, masculine: float, age: float) -> C
         tone=tone,
         hair=hair,
         iris=float(np.clip(0.09 * np.exp(0.5 * rng.normal() - 0.3 * darkness), 0.03, 0.25)),
-        brow_height=float(np.clip(20.5 - 1.0 * masculine + 2.5 * rng.normal(), 14, 28)),
+        brow_height=float(np.clip(20.5 - 1.0 * masculine + 2.8 * rng.normal(), 14, 28)),
         brow_thickness=float(np.clip(7.4 + 1.2 * masculine + 1.7 * rng.normal(), 3, 12)),
         brow_length=float(np.clip(41 + 3 * rng.normal(), 32, 48)),
         brow_arch=float(np.clip(3.0 - 0.7 * masculine + 1.3 * rng.normal(), 0, 7)),
@@ -110,11 +110,11 @@ def draw_complexion(rng: np.random.Generator, masculine: float, age: float) -> C
         fringe=float(fringe),
         temple_hair=float(np.clip(79 + 6 * rng.normal(), 66, 98)),
         lips=float(np.clip(0.78 - 0.03 * masculine + 0.09 * rng.normal() + 0.04 * darkness, 0.55, 1.05)),
-        cheeks=0.11 * float(rng.normal()) + 0.12,
+        cheeks=0.12 * float(rng.normal()) + 0.12,
         nose=0.08 * float(rng.normal()) + 0.03,
         forehead=0.11 * float(rng.normal()) + 0.09,
-        mouth_region=0.10 * float(rng.normal()) - 0.10,
-        eye_shadow=0.12 * float(rng.normal()) - 0.26 - 0.03 * age,
+        mouth_region=0.13 * float(rng.normal()) - 0.10,
+        eye_shadow=0.14 * float(rng.normal()) - 0.26 - 0.03 * age,
         lid_line=float(np.clip(0.5 - 0.12 * masculine + 0.2 * rng.normal(), 0.1, 0.95)),
         wrinkles=float(np.clip(0.25 + 0.2 * age + 0.1 * rng.normal(), 0, 0.9)),
         grain=tuple(draw_knots(rng, spacing, spacing) for spacing in GRAIN),
@@ -127,11 +127,11 @@ def _draw_marks(rng: np.random.Generator) -> Array:
     """Draw freckles, moles and blemishes; unused rows have no darkness."""
     marks = np.zeros((MARKS, 4))
     place = rng.uniform((-62, -108), (62, 32), (MARKS, 2))
-    moles = min(int(rng.poisson(2.0)), 8)
+    moles = min(int(rng.poisson(1.6)), 8)
     blemishes = min(int(rng.poisson(3.0)), 10)
     freckles = int(rng.integers(8, MARKS - 18)) if rng.random() < 0.2 else 0
     kinds = np.repeat([0, 1, 2], [moles, blemishes, freckles])
-    radius = rng.uniform((0.7, 1.0, 0.5), (1.7, 2.6, 1.1), (MARKS, 3))
+    radius = rng.uniform((0.5, 1.0, 0.4), (1.3, 2.4, 0.9), (MARKS, 3))
     depth = rng.uniform((-1.1, -0.3, -0.5), (-0.4, 0.12, -0.2), (MARKS, 3))
     spread = rng.normal((0, -20), (20, 11), (MARKS, 2))  # freckles gather on nose and cheeks
     for row, kind in enumerate(kinds):

@@ -35,12 +35,12 @@ def _brows(c: Complexion, x: Array, y: Array, blur: float, fade: float) -> Array
     inside = np.clip(along, 0, 1)
     middle = c.brow_height - 2 + c.brow_arch * np.sin(np.pi * inside**1.25) - 4.5 * inside**3 + 3.0 * inside
     thickness = c.brow_thickness * (1 - inside**2.2) * (0.75 + 0.25 * edge(inside - 0.2, 0.2)) + 0.5
-    angle = np.radians(62 - 52 * inside**0.5)
+    angle = np.radians(50 - 42 * inside**0.5)
     across_strand = (y - middle) * np.cos(angle) - side * np.sin(angle)
     along_strand = (y - middle) * np.sin(angle) + side * np.cos(angle) + 50 * np.sign(x)
     strands = fade * field_at(c.strands, across_strand, along_strand, STRAND_WIDTH, STRAND_LENGTH)
     height = np.abs(y - middle) / np.where(y > middle, 1.1, 0.9)
-    body = edge(thickness / 2 - height + 0.45 * strands, 1.5 + blur) * (0.88 + 0.16 * strands)
+    body = edge(thickness / 2 - height + 0.35 * strands, 1.5 + blur) * (0.9 + 0.13 * strands)
     ends = edge((along - 0.04) * c.brow_length + 0.8 * strands, 3.0 + blur) * edge(
         (1 - along) * c.brow_length, 4 + blur
     )
@@ -54,9 +54,9 @@ def _beard(c: Complexion, x: Array, y: Array, strands: Array) -> Array:
     low = np.flatnonzero(y < -28)
     x, y, strands = x[low], y[low], strands[low]
     side = np.abs(x)
-    ragged = 1.0 * strands
+    ragged = 0.6 * strands
     moustache = (
-        edge(-50.5 - y - 0.006 * side**2 + ragged, 3) * edge(y + 63 + 0.01 * side**2, 3) * edge(30 - side + ragged, 8)
+        edge(-50.5 - y - 0.006 * side**2 + ragged, 4) * edge(y + 63 + 0.01 * side**2, 3) * edge(30 - side + ragged, 8)
     )
     cheek = edge(-44 - 0.9 * (60 - side) - y + ragged, 12) * edge(side - 25, 9)
     below = edge(-82 - y + 0.1 * side + ragged, 5)

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface.people.anatomy import EYE, EYEBALL_RADIUS, MOUTH, outline
+from harmonicface.people.anatomy import EYE, EYEBALL_RADIUS, MOUTH, lid_margins, outline
 from harmonicface.people.fields import Places
 from harmonicface.people.lattice import LID_THICKNESS, Lattice, lattice_normals, mean_lattice
 from harmonicface.people.traits import TRAITS, HeadTraits
@@ -112,7 +112,9 @@ def _with_eyeballs(points: Array, lattice: Lattice) -> Head:
         seen = points[eye]
         beside = ((seen[:, :2] - centre[:2]) ** 2).sum(axis=1)
         ball = centre[2] + np.sqrt(np.maximum(EYEBALL_RADIUS**2 - beside, 0))
-        seen[:, 2] = np.clip(ball, seen[:, 2] - 3 * LID_THICKNESS, seen[:, 2] - LID_THICKNESS / 3)
+        _, upper, lower = lid_margins(lattice.points[eye][:, 0])
+        recess = LID_THICKNESS * np.clip((upper - lower) / 4, 0, 1)  # none in the corners, where the lids meet
+        seen[:, 2] = np.clip(ball, seen[:, 2] - 3 * recess, seen[:, 2] - recess / 3)
         centres.append(centre)
         placed.append(seen)
     for eye, seen in zip(lattice.eyes, placed, strict=True):

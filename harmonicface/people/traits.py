@@ -105,7 +105,7 @@ TRAITS = (
     Trait("chin projection", 2.2, bump(0, -101, 16, 11), 0.3),
     Trait("chin breadth", 1.6, spread(16, -102, 10, 12), 0.5),
     Trait("chin pad", 0.7, bump(9, -100, 6, 8), 0.3),
-    Trait("chin cleft", 0.3, bump(0, -102, 2.6, 6), -0.4),
+    Trait("chin cleft", 0.25, bump(0, -101, 3.2, 6), -0.4),
     Trait("jaw width", 3.2, outward(lambda p: p.lateral(20, 64) * p.vertical(-36, -80)), 0.5),
     Trait("jaw corner", 1.8, bump(54, -78, 11, 12), 0.4),
     Trait("jowl", 1.2, bump(34, -88, 10, 10), 0.0, 0.5),
