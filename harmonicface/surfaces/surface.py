@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import os
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +17,8 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.colour import luminance
 from harmonicface.io.files import replacing
+
+ARRAYS = {"normals", "albedo", "mask", "depth", "pixel_size"}  # of a saved Surface; depth may be missing
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -125,21 +129,34 @@ class Surface:
         HarmonicFaceError
             The file is missing, cut short, or not a saved Surface.
         """
-        try:
-            with np.load(path, allow_pickle=False) as arrays:
-                found = {name: arrays[name] for name in arrays.files}
-        except FileNotFoundError:
-            raise HarmonicFaceError(f"expected a saved Surface, got no file {path}") from None
-        except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError) as error:
-            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise HarmonicFaceError(f"{path}: expected a saved Surface, got a file that is none: {reason}") from None
-        missing = {"normals", "albedo", "mask", "pixel_size"} - set(found)
-        if missing:
-            raise HarmonicFaceError(f"{path}: expected a saved Surface, got a file without {sorted(missing)}")
+        found = _read_archive(Path(path))
+        missing, unknown = ARRAYS - {"depth"} - set(found), set(found) - ARRAYS
+        if missing or unknown:
+            got = f"without {sorted(missing)}" if missing else f"with {sorted(unknown)}"
+            raise HarmonicFaceError(f"{path}: expected a saved Surface, got a file {got}")
         pixel_size = found["pixel_size"]
         if pixel_size.shape != ():
             raise HarmonicFaceError(f"{path}: expected one pixel_size, got {_validate.describe(pixel_size)}")
-        return cls(found["normals"], found["albedo"], found["mask"], found.get("depth"), pixel_size.item())
+        try:
+            return cls(found["normals"], found["albedo"], found["mask"], found.get("depth"), pixel_size.item())
+        except HarmonicFaceError as error:
+            raise HarmonicFaceError(f"{path}: {error}") from None
+
+
+def _read_archive(file: Path) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an .npz file, each with its checksum verified; nothing is unpickled."""
+    found = {}
+    try:
+        with file.open("rb") as stream, zipfile.ZipFile(stream) as archive:
+            for name in archive.namelist():
+                content = io.BytesIO(archive.read(name))
+                found[name.removesuffix(".npy")] = np.lib.format.read_array(content, allow_pickle=False)
+    except FileNotFoundError:
+        raise HarmonicFaceError(f"expected a saved Surface, got no file {file}") from None
+    except Exception as error:  # of a broken archive zipfile and numpy raise nearly anything
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise HarmonicFaceError(f"{file}: expected a saved Surface, got a file that is none: {reason}") from None
+    return found
 
 
 def _outside(array: Floats, inside: NDArray[np.bool_], fill: float) -> Floats:
