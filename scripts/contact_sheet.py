@@ -11,7 +11,7 @@ from harmonicface.people.synthetic import synthetic_people
 from harmonicface.surfaces.surface import Surface
 
 KEY = np.array([-0.55, 0.5, 0.75])  # from the upper left, toward the camera's side
-AMBIENT, EXPOSURE = 0.15, 1.2
+AMBIENT, EXPOSURE = 0.15, 1.1
 
 
 def tile(person: Surface, what: str) -> np.ndarray:

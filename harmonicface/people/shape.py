@@ -121,8 +121,9 @@ def _with_eyeballs(points: Array, lattice: Lattice) -> Head:
         points[eye] = seen
     normals = lattice_normals(points)
     # a nose wing may fold over its groove: what is seen there turns away from the camera no further than its rim
-    normals[..., 2] = np.maximum(normals[..., 2], RIM)
-    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    folded = normals[..., 2] < RIM
+    turned = np.maximum(normals[folded], (-1, -1, RIM))
+    normals[folded] = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
     for eye, seen, centre in zip(lattice.eyes, placed, centres, strict=True):
         radial = seen - centre
         normals[eye] = radial / np.linalg.norm(radial, axis=1, keepdims=True)
