@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 MISPLACED = 0.5  # mm, standard deviation across and up of the misalignment that is left
 TILTED = 0.5  # degrees, the same in the picture's plane
+SMALLEST = 8  # pixels a side: fewer may miss the face
 BLUR = 0.45  # of a pixel: the albedo's finest detail, so that small pictures do not alias
 
 
@@ -38,7 +39,7 @@ def synthetic_person(seed: int | np.random.Generator, size: int | tuple[int, int
     seed
         An integer of at least 0, or a generator that draws the person (and is left advanced).
     size
-        Height and width in pixels; one number means a square picture.
+        Height and width in pixels, at least 8; one number means a square picture.
 
     Returns
     -------
@@ -58,7 +59,7 @@ def synthetic_person(seed: int | np.random.Generator, size: int | tuple[int, int
     >>> person.shape, person.albedo.dtype.name
     ((32, 32), 'float32')
     """
-    shape = checked_shape(size)
+    shape = _picture_shape(size)
     rng = _generator(seed)
     traits = draw_head(rng)
     complexion = draw_complexion(rng, traits.masculine, traits.age)
@@ -76,7 +77,7 @@ def synthetic_people(count: int, size: int | tuple[int, int] = 64, seed: int = 0
     count
         How many, at least 0.
     size
-        Height and width in pixels; one number means a square picture.
+        Height and width in pixels, at least 8; one number means a square picture.
     seed
         An integer of at least 0. Person i of a seed is the same however many are made.
 
@@ -97,7 +98,7 @@ def synthetic_people(count: int, size: int | tuple[int, int] = 64, seed: int = 0
     [(48, 40), (48, 40)]
     """
     number = _natural(count, "count")
-    shape = checked_shape(size)
+    shape = _picture_shape(size)
     first = _natural(seed, "seed")
     seeds = (np.random.SeedSequence(first, spawn_key=(i,)) for i in range(number))
     return (synthetic_person(np.random.default_rng(seed), shape) for seed in seeds)
@@ -135,6 +136,14 @@ def _gaze(head: Head) -> Array:
 def _generator(seed: int | np.random.Generator) -> np.random.Generator:
     """Return a generator, which is made from a number."""
     return seed if isinstance(seed, np.random.Generator) else np.random.default_rng(_natural(seed, "seed"))
+
+
+def _picture_shape(size: int | tuple[int, int]) -> tuple[int, int]:
+    """Return (height, width) of a size that is one number or two, each at least SMALLEST."""
+    shape = checked_shape(size)
+    if min(shape) < SMALLEST:
+        raise HarmonicFaceError(f"size: expected at least {SMALLEST} pixels a side, got {size!r}")
+    return shape
 
 
 def _natural(value: Any, name: str) -> int:
