@@ -16,7 +16,7 @@ def describe(value: object) -> str:
     """Name what came, for the second half of a message: its shape and dtype, or its type."""
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape} and type {value.dtype}"
-    return f"{type(value).__name__} {value!r}"[:120]
+    return " ".join(f"{type(value).__name__} {value!r}".split())[:120]
 
 
 def floats(value: ArrayLike, name: str) -> Floats:
@@ -93,9 +93,13 @@ def positive(value: float, name: str) -> float:
     """Return a finite number above zero."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise HarmonicFaceError(f"{name}: expected a number above 0, got {describe(value)}")
-    if not (np.isfinite(value) and value > 0):
-        raise HarmonicFaceError(f"{name}: expected a finite number above 0, got {value}")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = np.inf  # an integer beyond the largest float
+    if not (np.isfinite(number) and number > 0):
+        raise HarmonicFaceError(f"{name}: expected a finite number above 0, got {number}")
+    return number
 
 
 def fraction(value: float, name: str) -> float:
@@ -112,3 +116,8 @@ def at_least(value: int, least: int, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
         raise HarmonicFaceError(f"{name}: expected an integer of at least {least}, got {describe(value)}")
     return int(value)
+
+
+def generator(value: int | np.random.Generator, name: str) -> np.random.Generator:
+    """Return a random generator; an integer of at least 0 seeds one."""
+    return value if isinstance(value, np.random.Generator) else np.random.default_rng(at_least(value, 0, name))

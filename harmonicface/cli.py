@@ -46,10 +46,12 @@ Source = Annotated[
     Path, typer.Argument(help="A mesh (GLB, OBJ, PLY, STL) or a saved Surface (.npz).", show_default=False)
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-Size = Annotated[int, typer.Option(help="Height and width in pixels at which a mesh is seen.")]
+SIZE_HELP = "Height and width in pixels at which a mesh is seen."
+Size = Annotated[int | None, typer.Option(help=SIZE_HELP, show_default="64")]
+LargeSize = Annotated[int | None, typer.Option(help=SIZE_HELP, show_default="256")]
 Texture = Annotated[Path | None, typer.Option(help="Picture with the mesh's colours.")]
 FlipTexture = Annotated[bool, typer.Option("--flip-texture", help="The texture's rows run upward.")]
-Rotation = Annotated[str, typer.Option(help="Yaw, pitch, roll of the mesh in degrees.")]
+Rotation = Annotated[str | None, typer.Option(help="Yaw, pitch, roll of the mesh in degrees.", show_default="0,0,0")]
 FrameOption = Annotated[str | None, typer.Option(help="x0,y0,x1,y1 of the view in the mesh's units.")]
 Methods = Annotated[str | None, typer.Option(help=f"Comma-separated, of {', '.join(METHODS)}.", show_default="all")]
 
@@ -65,6 +67,7 @@ def bench(
     as_json: AsJson = False,
 ) -> None:
     """Recognize synthetic people under light that no gallery picture showed, by every method."""
+    _make_folder(out)  # before the work rather than after it
     with _progress() as tell:
         result = run_benchmark(faces, size, seed, queries, _methods(methods), tell)
     page = write_report(result, out)
@@ -88,17 +91,19 @@ def enroll(
             help="A mesh, a saved Surface, or at least three photographs under different lights.", show_default=False
         ),
     ],
-    size: Size = 64,
+    size: Size = None,
     texture: Texture = None,
     flip_texture: FlipTexture = False,
-    rotation: Rotation = "0,0,0",
+    rotation: Rotation = None,
     frame: FrameOption = None,
 ) -> None:
     """Add a person to a gallery."""
     people = Gallery.open(gallery) if gallery.exists() else Gallery()
     if len(source) == 1 and source[0].suffix.lower() in (".npz", *MESH_ENDINGS):
-        people.enroll(name, _surface(source[0], size, texture, flip_texture, rotation, frame))
+        people.enroll(name, _surface(source[0], size, 64, texture, flip_texture, rotation, frame))
     else:
+        if flip_texture or (size, texture, rotation, frame) != (None, None, None, None):
+            raise HarmonicFaceError("enroll: expected the options of a view with one mesh only, got photographs")
         people.enroll(name, _photographs(source))
     people.save(gallery)
     typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
@@ -128,20 +133,17 @@ def images(
     source: Source,
     out: Annotated[Path, typer.Option(help="Folder for the pictures.")],
     order: Annotated[int, typer.Option(help="Highest degree: 2 gives nine pictures.")] = 2,
-    size: Size = 256,
+    size: LargeSize = None,
     texture: Texture = None,
     flip_texture: FlipTexture = False,
-    rotation: Rotation = "0,0,0",
+    rotation: Rotation = None,
     frame: FrameOption = None,
 ) -> None:
     """Write the harmonic images of a face as pictures: red adds light, blue takes it away."""
-    surface = _surface(source, size, texture, flip_texture, rotation, frame)
+    surface = _surface(source, size, 256, texture, flip_texture, rotation, frame)
     pictures = harmonic_images(surface, order)
     scale = float(np.quantile(np.abs(pictures), 0.995))
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise HarmonicFaceError(f"cannot make the folder {out}: {error.strerror}") from None
+    _make_folder(out)
     for index, pixels in enumerate(pictures):
         degree = int(np.sqrt(index))
         picture = np.zeros(surface.shape, pixels.dtype)
@@ -179,18 +181,32 @@ def main() -> None:
         sys.exit(2)
 
 
-def _surface(path: Path, size: int, texture: Path | None, flip: bool, rotation: str, frame: str | None) -> Surface:
-    """Load a Surface; a saved one has been viewed already."""
-    if path.suffix.lower() == ".npz":
-        return load_surface(path)
+def _surface(
+    path: Path,
+    size: int | None,
+    usual: int,
+    texture: Path | None,
+    flip: bool,
+    rotation: str | None,
+    frame: str | None,
+) -> Surface:
+    """Load a Surface, a mesh at the usual size if no other is given; a saved one has been viewed already."""
     return load_surface(
         path,
-        size,
+        usual if size is None and path.suffix.lower() != ".npz" else size,
         texture=texture,
         flip_texture=flip,
-        rotation=_numbers(rotation, 3, "rotation"),
+        rotation=None if rotation is None else _numbers(rotation, 3, "rotation"),
         frame=None if frame is None else _numbers(frame, 4, "frame"),
     )
+
+
+def _make_folder(path: Path) -> None:
+    """Make a folder if it is not there."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HarmonicFaceError(f"cannot make the folder {path}: {error.strerror}") from None
 
 
 def _photographs(paths: list[Path]) -> np.ndarray:
@@ -235,15 +251,20 @@ def _as_dict(path: Path, found: Match) -> dict[str, object]:
 def _progress() -> Iterator[Callable[[str, int, int], None]]:
     """Show bars on standard error, one for each thing that is done."""
     columns = TextColumn("{task.description:>28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        tasks: dict[str, TaskID] = {}
+    bar = Progress(*columns, console=Console(stderr=True))
+    tasks: dict[str, TaskID] = {}
 
-        def tell(what: str, done: int, of: int) -> None:
-            if what not in tasks:
-                tasks[what] = bar.add_task(what, total=of)
-            bar.update(tasks[what], completed=done)
+    def tell(what: str, done: int, of: int) -> None:
+        bar.start()
+        if what not in tasks:
+            tasks[what] = bar.add_task(what, total=of)
+        bar.update(tasks[what], completed=done)
 
+    try:
         yield tell
+    finally:
+        if tasks:  # stopping a bar prints a line even if nothing was shown
+            bar.stop()
 
 
 def _print_table(title: str, heads: list[str], rows: list[list[str]]) -> None:

@@ -12,7 +12,7 @@ from harmonicface.errors import HarmonicFaceError
 
 def photograph(
     picture: ArrayLike,
-    rng: np.random.Generator,
+    rng: int | np.random.Generator,
     *,
     noise: float = 0.01,
     saturated: float = 0.01,
@@ -28,9 +28,9 @@ def photograph(
     picture
         (h, w) or (h, w, 3) linear, at least 0, not all 0.
     rng
-        Where the noise comes from.
+        Where the noise comes from: a generator, or a seed.
     noise
-        Standard deviation as a fraction of full scale, at least 0.
+        Standard deviation as a fraction of full scale, finite and at least 0.
     saturated
         Share of the lit pixels above full scale, from 0 up to but not including 1.
     bits
@@ -58,10 +58,13 @@ def photograph(
         raise HarmonicFaceError(
             f"picture: expected {expected}, got values from {linear.min():.4g} to {linear.max():.4g}"
         )
-    if not (noise >= 0 and 0 <= saturated < 1 and 1 <= bits <= 16):
+    random = _validate.generator(rng, "rng")
+    share = _validate.fraction(saturated, "saturated")
+    depth = _validate.at_least(bits, 1, "bits")
+    if not (np.isfinite(noise) and noise >= 0 and share < 1 and depth <= 16):
         expected = "noise >= 0, 0 <= saturated < 1 and bits from 1 to 16"
         raise HarmonicFaceError(f"camera: expected {expected}, got noise={noise}, saturated={saturated}, bits={bits}")
-    full_scale = np.quantile(linear[linear > 0], 1 - saturated)
-    exposed = linear / full_scale + rng.normal(0.0, noise, linear.shape)
-    levels = 2**bits - 1
+    full_scale = np.quantile(linear[linear > 0], 1 - share)
+    exposed = linear / full_scale + random.normal(0.0, noise, linear.shape)
+    levels = 2**depth - 1
     return np.asarray(np.round(np.clip(exposed, 0.0, 1.0) * levels) / levels, dtype=np.float32)

@@ -93,9 +93,10 @@ class Gallery:
 
     @margin.setter
     def margin(self, value: float) -> None:
-        self._margin = _validate.positive(value, "margin")
-        if value < 1:
+        margin = _validate.positive(value, "margin")
+        if margin < 1:
             raise HarmonicFaceError(f"margin: expected a number of at least 1, got {value}")
+        self._margin = margin
 
     @property
     def mask(self) -> NDArray[np.bool_] | None:

@@ -66,7 +66,7 @@ def read(path: str | os.PathLike[str]) -> Contents:
         raise HarmonicFaceError(f"{path}: expected version {VERSION} of the gallery format, got version {got}")
     try:
         return _contents(arrays, json.loads(header["about"]))
-    except (KeyError, TypeError, ValueError, IndexError):
+    except (KeyError, TypeError, ValueError, IndexError, RecursionError):
         raise HarmonicFaceError(f"{path}: expected a gallery that agrees with itself, got one that does not") from None
 
 

@@ -50,7 +50,7 @@ def real_harmonics(directions: ArrayLike, order: int, out: Floats | None = None)
     shape = (count(order), *unit.shape[:-1])
     if out is None:
         out = np.empty(shape, unit.dtype)
-    elif out.shape != shape or out.dtype != unit.dtype or not out.flags.c_contiguous:
+    elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != unit.dtype or not out.flags.c_contiguous:
         expected = f"a C-contiguous array of shape {shape} and type {unit.dtype}"
         raise HarmonicFaceError(f"out: expected {expected}, got {_validate.describe(out)}")
     x, y, z = np.ascontiguousarray(np.moveaxis(unit, -1, 0))
@@ -77,9 +77,9 @@ def _fill_mode(out: Floats, z: Floats, cosine: Floats, sine: Floats, mode: int, 
                 following -= step * back * below
             below, current = current, following
         centre = degree * (degree + 1)
-        np.multiply(current, cosine, out=out[centre + mode])
+        np.multiply(current, cosine, out=out[centre + mode, ...])
         if mode:
-            np.multiply(current, sine, out=out[centre - mode])
+            np.multiply(current, sine, out=out[centre - mode, ...])
 
 
 def _sectoral(mode: int) -> float:

@@ -47,14 +47,14 @@ def index(degree: int, mode: int) -> int:
     Raises
     ------
     HarmonicFaceError
-        The mode is not between -l and l.
+        The degree is no integer of at least 0, the mode none between -l and l.
 
     Examples
     --------
     >>> index(2, -2), index(2, 0), index(2, 2)
     (4, 6, 8)
     """
-    if abs(mode) > _validate.at_least(degree, 0, "degree"):
+    if abs(_validate.at_least(mode, -_validate.at_least(degree, 0, "degree"), "mode")) > degree:
         raise HarmonicFaceError(f"mode: expected an integer from {-degree} to {degree}, got {mode}")
     return degree * (degree + 1) + mode
 

@@ -51,7 +51,7 @@ def signed_colours(picture: Floats, mask: NDArray[np.bool_], scale: float | None
         (h, w, 3) display values, 0 to 1.
     """
     if scale is None:
-        scale = float(np.quantile(np.abs(picture[mask]), 0.99)) or 1.0
-    colours = matplotlib.colormaps[SIGNED_COLOURS](np.clip(picture / scale, -1, 1) / 2 + 0.5)[..., :3]
+        scale = float(np.quantile(np.abs(picture[mask]), 0.99))
+    colours = matplotlib.colormaps[SIGNED_COLOURS](np.clip(picture / (scale or 1.0), -1, 1) / 2 + 0.5)[..., :3]
     colours[~mask] = 0.93
     return np.asarray(colours)

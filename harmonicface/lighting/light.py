@@ -58,7 +58,7 @@ class Light(ABC):
         return self * factor
 
     def __add__(self, other: Light) -> Light:
-        return SumOfLights((self, other))
+        return SumOfLights((self, other)) if isinstance(other, Light) else NotImplemented
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,14 +37,14 @@ def natural(seed: int | np.random.Generator, size: int = 32) -> EnvironmentMap:
     Raises
     ------
     HarmonicFaceError
-        A size below 1.
+        A size below 1, a seed that is neither an integer of at least 0 nor a generator.
 
     Examples
     --------
     >>> natural(seed=3).radiance.shape
     (32, 64)
     """
-    rng = np.random.default_rng(seed)
+    rng = _validate.generator(seed, "seed")
     rows = _validate.at_least(size, 1, "size")
     directions = EnvironmentMap(np.ones((rows, 2 * rows))).directions
     surroundings = _surroundings(rng, directions)

@@ -94,8 +94,10 @@ class AmbientLight(Light):
 
     def __post_init__(self) -> None:
         strength = _validate.finite(self.strength, "strength")
-        if strength.shape not in ((), (3,)) or strength.min() < 0:
-            raise HarmonicFaceError(f"strength: expected one number or three, at least 0, got {self.strength!r}")
+        if strength.shape not in ((), (3,)):
+            raise HarmonicFaceError(f"strength: expected one number or three, got {_validate.describe(strength)}")
+        if strength.min() < 0:
+            raise HarmonicFaceError(f"strength: expected at least 0, got {strength.min():.4g}")
         object.__setattr__(self, "strength", strength)
 
     @property

@@ -43,7 +43,7 @@ class Subspace:
         images
             (k, p) pictures as rows, of any scale, not all 0.
         most
-            Keep at most so many rows, those of the largest singular values.
+            Keep at most so many rows, at least 1: those of the largest singular values.
 
         Returns
         -------
@@ -52,7 +52,7 @@ class Subspace:
         Raises
         ------
         HarmonicFaceError
-            Not a (k, p) array, NaN or infinity, all 0.
+            Not a (k, p) array, NaN or infinity, all 0; `most` below 1.
 
         Examples
         --------
@@ -60,6 +60,7 @@ class Subspace:
         2
         """
         pictures = _validate.finite(images, "images")
+        limit = pictures.size if most is None else _validate.at_least(most, 1, "most")
         if pictures.ndim != 2 or pictures.size == 0:
             raise HarmonicFaceError(f"images: expected shape (k, p), got {_validate.describe(pictures)}")
         scale = float(np.abs(pictures).max())
@@ -69,7 +70,7 @@ class Subspace:
         columns = pictures.T.astype(np.float64) / scale
         q, r = scipy.linalg.qr(columns, mode="economic", overwrite_a=True, check_finite=False)
         u, values, vt = scipy.linalg.svd(r, full_matrices=False, check_finite=False)
-        rank = min(int((values > values[0] * rounding).sum()), most or len(values))
+        rank = min(int((values > values[0] * rounding).sum()), limit)
         rows = np.ascontiguousarray((q @ u[:, :rank]).T, dtype=np.float32)
         return cls(rows, vt[:rank] / (values[:rank, None] * scale))
 
@@ -110,14 +111,25 @@ class Subspace:
         """Return the picture of the span that is nearest to the photograph, (p,).
 
         It projects twice: the second pass takes out of the residual what rounded rows leave of the span in it.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Another count of pixels, NaN or infinity.
         """
-        pixels = np.asarray(photo, np.float64)
+        pixels = _pixels(photo, self.rows.shape[1])
         first = (self.rows @ pixels) @ self.rows
         return np.asarray(first + (self.rows @ (pixels - first)) @ self.rows)
 
     def coefficients(self, photo: ArrayLike) -> NDArray[np.float64]:
-        """Return how the k pictures combine to the photograph best, (k,)."""
-        return np.asarray((self.rows @ np.asarray(photo, np.float64)) @ self.to_coefficients)
+        """Return how the k pictures combine to the photograph best, (k,).
+
+        Raises
+        ------
+        HarmonicFaceError
+            Another count of pixels, NaN or infinity.
+        """
+        return np.asarray((self.rows @ _pixels(photo, self.rows.shape[1])) @ self.to_coefficients)
 
     def restrict(self, good: NDArray[np.bool_]) -> Subspace:
         """Return the span of the same pictures seen through a mask, for a photograph of which some pixels are bad.
@@ -130,8 +142,11 @@ class Subspace:
         Raises
         ------
         HarmonicFaceError
-            Nothing of the pictures is left behind the mask.
+            Not one boolean a pixel; nothing of the pictures is left behind the mask.
         """
+        shape = (self.rows.shape[1],)
+        if np.shape(good) != shape or np.asarray(good).dtype != np.bool_:
+            raise HarmonicFaceError(f"good: expected booleans of shape {shape}, got {_validate.describe(good)}")
         seen = Subspace.of(self.rows[:, good])
         return Subspace(seen.rows, seen.to_coefficients @ self.to_coefficients)
 
@@ -144,11 +159,17 @@ def unit_photo(photo: ArrayLike, pixels: int) -> NDArray[np.float64]:
     HarmonicFaceError
         Another count of pixels than expected, NaN or infinity, all 0.
     """
-    flat = _validate.finite(photo, "photo")
-    if flat.shape != (pixels,):
-        raise HarmonicFaceError(f"photo: expected {pixels} pixels, got {_validate.describe(flat)}")
+    flat = _pixels(photo, pixels)
     largest = float(np.abs(flat).max())
     if largest == 0:
         raise HarmonicFaceError(f"photo: expected some light in it, got {pixels} pixels that are all 0")
-    scaled = flat.astype(np.float64) / largest
+    scaled = flat / largest
     return np.asarray(scaled / np.linalg.norm(scaled))
+
+
+def _pixels(photo: ArrayLike, pixels: int) -> NDArray[np.float64]:
+    """Return the finite pixels of a photograph in float64."""
+    flat = _validate.finite(photo, "photo")
+    if flat.shape != (pixels,):
+        raise HarmonicFaceError(f"photo: expected {pixels} pixels, got {_validate.describe(flat)}")
+    return flat.astype(np.float64)

@@ -41,12 +41,15 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
     """
     blank = np.zeros(DIGEST_BYTES, np.uint8)
     with replacing(path) as temporary:
-        save_file({**arrays, DIGEST: blank}, temporary, dict(about))
-        with temporary.open("r+b") as stream:
-            start = _digest_start(stream)
-            digest = _digest(stream, start)
-            stream.seek(start)
-            stream.write(digest)
+        try:
+            save_file({**arrays, DIGEST: blank}, temporary, dict(about))
+            with temporary.open("r+b") as stream:
+                start = _digest_start(stream)
+                digest = _digest(stream, start)
+                stream.seek(start)
+                stream.write(digest)
+        except (SafetensorError, OSError) as error:  # a full disk
+            raise HarmonicFaceError(f"cannot write {path}: {' '.join(str(error).split())}") from None
 
 
 def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
@@ -69,9 +72,9 @@ def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], 
                 raise HarmonicFaceError(
                     f"{file}: expected the checksum it was written with, got a file that was changed"
                 )
-            about = _header(stream).get("__metadata__", {})
+            about = _header(stream).get("__metadata__") or {}
         arrays = load_file(file)
-    except (SafetensorError, OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (SafetensorError, OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         if isinstance(error, HarmonicFaceError):
             raise
         raise HarmonicFaceError(
@@ -89,7 +92,7 @@ def _header(stream: BinaryIO) -> dict[str, Any]:
     if not 0 < length <= size - 8:
         raise ValueError("a header longer than the file")
     header = json.loads(stream.read(length))
-    header["__start__"] = 8 + length
+    header["__start__"], header["__size__"] = 8 + length, size
     return dict(header)
 
 
@@ -97,9 +100,10 @@ def _digest_start(stream: BinaryIO) -> int:
     """Return where in the file the checksum's bytes stand."""
     header = _header(stream)
     begin, end = header[DIGEST]["data_offsets"]
-    if end - begin != DIGEST_BYTES:
-        raise ValueError("a checksum of another length")
-    return int(header["__start__"] + begin)
+    start = header["__start__"] + begin
+    if end - begin != DIGEST_BYTES or not header["__start__"] <= start <= header["__size__"] - DIGEST_BYTES:
+        raise ValueError("a checksum of another length or outside the file")
+    return int(start)
 
 
 def _digest(stream: BinaryIO, blank: int) -> bytes:
