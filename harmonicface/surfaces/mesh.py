@@ -17,6 +17,9 @@ from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.texture import look_up, shrink_to_density
 from harmonicface.surfaces.view import View
 
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.integer[Any]]
+
 SUPERSAMPLE = 4
 FINEST = 1024  # pixels a side of the raster beyond which pixels are not divided any further
 
@@ -114,7 +117,7 @@ def _block_sums(array: Floats, divisions: int) -> Floats:
     return np.asarray(blocks.sum(axis=(1, 3)))
 
 
-def _facing_normals(mesh: Mesh, view: View, points: NDArray[np.float64], raster: Raster) -> Floats:
+def _facing_normals(mesh: Mesh, view: View, points: Doubles, raster: Raster) -> Floats:
     """Return unit normals toward the camera at every pixel that sees the mesh, 0 elsewhere."""
     seen = raster.mask
     result = np.zeros((*seen.shape, 3))
@@ -136,7 +139,7 @@ def _facing_normals(mesh: Mesh, view: View, points: NDArray[np.float64], raster:
     return result
 
 
-def _triangle_normals(corners: NDArray[np.float64], pixel_size: float) -> Floats:
+def _triangle_normals(corners: Doubles, pixel_size: float) -> Floats:
     """Return the unit normals of triangles in pixel coordinates, (m, 3), in the camera's axes; 0 without area."""
     scaled = corners * np.array([pixel_size, -pixel_size, 1.0])
     normals = np.cross(scaled[:, 1] - scaled[:, 0], scaled[:, 2] - scaled[:, 0])
@@ -144,7 +147,7 @@ def _triangle_normals(corners: NDArray[np.float64], pixel_size: float) -> Floats
     return np.asarray(np.divide(normals, length, out=normals, where=length > 0))
 
 
-def _albedo(mesh: Mesh, points: NDArray[np.float64], raster: Raster) -> Floats:
+def _albedo(mesh: Mesh, points: Doubles, raster: Raster) -> Floats:
     """Return the albedo at every pixel that sees the mesh: the vertices', times the texture's."""
     seen = raster.mask
     tint = raster.interpolate(mesh.vertex_albedo, mesh.faces)[seen]
@@ -153,7 +156,9 @@ def _albedo(mesh: Mesh, points: NDArray[np.float64], raster: Raster) -> Floats:
         uv = raster.interpolate(mesh.uv, mesh.faces)[seen]
         for number, texture in enumerate(mesh.textures):
             here = wears == number
-            texels = _texels(mesh, points, raster.triangle[seen][here], texture.shape[:2])
+            if not here.any():
+                continue
+            texels = _texels(mesh.uv, points, mesh.faces, raster.triangle[seen][here], texture.shape[:2])
             values = look_up(shrink_to_density(texture, texels), uv[here])
             tint[here] *= values.reshape(len(values), -1)
     result = np.zeros((*seen.shape, 3))
@@ -161,17 +166,13 @@ def _albedo(mesh: Mesh, points: NDArray[np.float64], raster: Raster) -> Floats:
     return np.ascontiguousarray(result[..., 0]) if mesh.is_grey else result
 
 
-def _texels(
-    mesh: Mesh, points: NDArray[np.float64], triangle: NDArray[np.integer[Any]], shape: tuple[int, ...]
-) -> float:
+def _texels(uv: Doubles, points: Doubles, faces: Integers, triangle: Integers, shape: tuple[int, ...]) -> float:
     """Return how many texels a pixel covers along one side, the median over the pixels of some triangles."""
-    if mesh.uv is None or len(triangle) == 0:
-        return 1.0
-    texture_area = _areas(mesh.uv[mesh.faces] * np.array([shape[1], shape[0]]))[triangle]
-    return float(np.sqrt(np.median(texture_area / _areas(points[mesh.faces, :2])[triangle])))
+    texture_area = _areas(uv[faces] * np.array([shape[1], shape[0]]))[triangle]
+    return float(np.sqrt(np.median(texture_area / _areas(points[faces, :2])[triangle])))
 
 
-def _areas(corners: NDArray[np.float64]) -> Floats:
+def _areas(corners: Doubles) -> Floats:
     """Return twice the areas of triangles in a plane, (m,)."""
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

@@ -241,7 +241,7 @@ def first_number(document, binary, kind, value, code):
     [
         ("VEC3", np.nan, "<f", "expected finite vertices, got 1 NaN"),
         ("VEC3", np.inf, "<f", "expected finite vertices"),
-        ("SCALAR", 4_000_000, "<I", "expected"),
+        ("SCALAR", 4_000_000, "<I", "expected triangles of vertices 0 to 41, got indices 0 to 4000000"),
     ],
 )
 def test_nan_and_indices_out_of_range_in_a_glb_are_refused(tmp_path, ball, kind, value, code, message):

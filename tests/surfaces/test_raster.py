@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.surfaces import raster as module
+from harmonicface.surfaces import _triangles as module
 from harmonicface.surfaces.raster import rasterize
 
 TRIANGLE = np.array([[0.0, 0.0, 1.0], [8.0, 0.0, 2.0], [0.0, 8.0, 5.0]])
