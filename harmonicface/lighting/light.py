@@ -79,8 +79,8 @@ class HarmonicLight(Light):
 
     Examples
     --------
-    >>> HarmonicLight([1.0, 0.0, 0.5, 0.0]).irradiance([0.0, 0.0, 1.0]).round(4)
-    array(1.3979)
+    >>> HarmonicLight([1.0, 0.0, 0.5, 0.0]).irradiance([[0.0, 0.0, 1.0]]).round(4)
+    array([1.3979])
     """
 
     values: Floats
