@@ -49,15 +49,17 @@ def harmonics_picture(surface: Surface) -> bytes:
     return _png(figure)
 
 
-def explanations_picture(result: BenchmarkResult) -> bytes:
-    """Draw a photograph of each tier, and how well the right and the nearest wrong person explain it."""
+def explanations_picture(result: BenchmarkResult, tiers: Sequence[str] = ()) -> bytes:
+    """Draw a photograph of each tier (all by default), and how well the right and the nearest wrong person explain it."""
     titles = ("photograph", "gallery saw", "right person", "residual", "nearest wrong", "residual")
-    figure, axes = _grid(len(result.asked), len(titles), 1.25)
+    shown = tiers or tuple(result.asked)
+    figure, axes = _grid(len(shown), len(titles), 1.25)
     for axis, title in zip(axes[0], titles, strict=True):
         axis.set_title(title, fontsize=10, color=INK)
-    for number, (row, (tier, queries)) in enumerate(zip(axes, result.asked.items(), strict=True)):
+    for number, (row, tier) in enumerate(zip(axes, shown, strict=True)):
+        queries = result.asked[tier]
         row[0].set_ylabel(tier, rotation=0, ha="right", va="center", color=INK, fontsize=10)
-        _explain(row, result, queries[(2 * number + 1) * len(queries) // (2 * len(axes))])
+        _explain(row, result, queries[(2 * number + 1) * len(queries) // (2 * len(shown))])
     return _png(figure)
 
 
