@@ -109,10 +109,7 @@ def read_mesh(
     parts = _parts(file)
     if not parts:
         raise HarmonicFaceError(f"{file}: expected a mesh with faces, got a file without any")
-    try:
-        mesh = _joined(parts)
-    except HarmonicFaceError as error:
-        raise HarmonicFaceError(f"{file}: {error}") from None
+    mesh = _joined(parts)
     return mesh if texture is None else _dressed(mesh, file, Path(texture), flip_texture)
 
 

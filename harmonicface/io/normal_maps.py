@@ -83,6 +83,11 @@ def write_normal_map(path: str | os.PathLike[str], normals: ArrayLike) -> None:
     ------
     HarmonicFaceError
         Another ending, another shape, vectors that are not of unit length, or a file that cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> write_normal_map(Path(tempfile.mkdtemp()) / "wall.png", np.tile([0.0, 0.0, 1.0], (4, 5, 1)))
     """
     if Path(path).suffix.lower() != ".png":
         raise HarmonicFaceError(f"{path}: expected a name that ends in .png, got {Path(path).suffix!r}")

@@ -67,9 +67,7 @@ def read_pixels(path: str | os.PathLike[str]) -> Pixels:
         pixels = _decode(data, file.suffix.lower())
     except HarmonicFaceError as error:
         raise HarmonicFaceError(f"{file}: {error}") from None
-    except MemoryError:
-        raise
-    except Exception as error:  # decoders raise whatever they like on bad files: struct, zlib, syntax, index errors
+    except Exception as error:  # decoders raise whatever they like on bad files: struct, zlib, even memory errors
         reason = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
         raise HarmonicFaceError(f"{file}: expected a whole image, got one cut short or corrupt: {reason}") from None
     return pixels

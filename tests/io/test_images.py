@@ -212,6 +212,14 @@ def test_what_is_no_image_of_light_is_refused(tmp_path, name, data, message):
         read_image(stored(tmp_path, name, data))
 
 
+def test_a_header_that_promises_too_much_is_refused(tmp_path):
+    data = npy(np.zeros((20, 20)))
+    huge = data.replace(b"(20, 20), }" + b" " * 20, b"(99999999, 99999999), }" + b" " * 8)
+    assert len(huge) == len(data) and huge != data
+    with pytest.raises(HarmonicFaceError, match="expected a whole image"):
+        read_image(stored(tmp_path, "a.npy", huge))
+
+
 def test_nothing_is_unpickled(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, np.array([{"code": 1}], dtype=object), allow_pickle=True)
