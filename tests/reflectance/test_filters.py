@@ -1,0 +1,61 @@
+"""The Lambertian filter against quadrature, and how much of its energy each order holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.integrate import quad
+from scipy.special import eval_legendre
+
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics.indexing import degrees
+from harmonicface.reflectance.filters import lambertian_filter, lambertian_weights
+
+
+@pytest.mark.parametrize("degree", range(21))
+def test_equal_to_the_integral_over_the_hemisphere(degree: int) -> None:
+    integral = 2 * np.pi * quad(lambda t: eval_legendre(degree, t) * t, 0, 1, epsabs=1e-13, limit=200)[0]
+    assert_allclose(lambertian_filter(20)[degree], integral, rtol=0, atol=1e-11)
+
+
+def test_the_papers_values() -> None:
+    expected = np.pi * np.array([1, 2 / 3, 1 / 4, 0, -1 / 24, 0, 1 / 64])
+    assert_allclose(lambertian_filter(6), expected, rtol=1e-15)
+
+
+def test_odd_degrees_are_exactly_nothing() -> None:
+    assert_array_equal(lambertian_filter(101)[3::2], 0.0)
+
+
+@pytest.mark.parametrize(("order", "percent"), [(0, 37.50), (1, 87.50), (2, 99.22), (4, 99.80)])
+def test_energy_captured(order: int, percent: float) -> None:
+    # the energy of max(cos, 0) is its squared integral, 2 pi / 3; each degree holds (2l + 1) A_l^2 / 4 pi of it
+    energies = (2 * np.arange(order + 1) + 1) * lambertian_filter(order) ** 2 / (4 * np.pi)
+    assert round(100 * energies.sum() / (2 * np.pi / 3), 2) == percent
+
+
+def test_all_degrees_together_hold_all_energy() -> None:
+    energies = (2 * np.arange(401) + 1) * lambertian_filter(400) ** 2 / (4 * np.pi)
+    assert_allclose(energies.sum(), 2 * np.pi / 3, rtol=1e-6)
+
+
+def test_the_series_is_the_clamped_cosine() -> None:
+    cosines = np.linspace(-1, 1, 41)
+    terms = [
+        (2 * degree + 1) / (4 * np.pi) * value * eval_legendre(degree, cosines)
+        for degree, value in enumerate(lambertian_filter(200))
+    ]
+    assert_allclose(np.sum(terms, axis=0), np.maximum(cosines, 0), rtol=0, atol=2e-3)
+
+
+@pytest.mark.parametrize("order", range(6))
+def test_a_weight_for_each_harmonic_and_the_same_filter_at_any_order(order: int) -> None:
+    assert_array_equal(lambertian_filter(order), lambertian_filter(20)[: order + 1])
+    assert_array_equal(lambertian_weights(order), lambertian_filter(20)[degrees(order)])
+
+
+@pytest.mark.parametrize("function", [lambertian_filter, lambertian_weights])
+def test_no_order(function) -> None:
+    with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0, got int -1"):
+        function(-1)
