@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import subspace_angles
+
+import harmonicface as hf
+from harmonicface.recognition.models import SUBSPACE_MODELS, subspace_model
+
+SURFACE = hf.synthetic_person(0, size=24)
+ALBEDO = SURFACE.pixel_albedo.astype(np.float64)
+X, Y, Z = SURFACE.pixel_normals.astype(np.float64).T
+SPANS = {
+    "linear3": [X, Y, Z],
+    "ambient4": [np.ones_like(X), X, Y, Z],
+    "harmonic9": [np.ones_like(X), X, Y, Z, X * Y, Y * Z, X * Z, X * X - Y * Y, Z * Z],
+}
+
+
+@pytest.mark.parametrize("name", SUBSPACE_MODELS)
+def test_a_model_spans_its_pictures(name: str) -> None:
+    pictures = subspace_model(name)(SURFACE)
+    expected = ALBEDO * np.array(SPANS[name])
+    assert pictures.shape == expected.shape
+    assert subspace_angles(pictures.T.astype(np.float64), expected.T).max() < 1e-4
+
+
+def test_linear_pictures_are_those_without_shadows() -> None:
+    # 2 pi / 3 times sqrt(3 / 4 pi) is the weight of a harmonic of degree one
+    weight = 2 * np.pi / 3 * np.sqrt(3 / (4 * np.pi))
+    assert_allclose(subspace_model("linear3")(SURFACE), weight * ALBEDO * np.array([Y, Z, X]), rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["magic", "", "Harmonic9"])
+def test_no_such_model(name: str) -> None:
+    with pytest.raises(
+        hf.HarmonicFaceError, match=f"model: expected one of linear3, ambient4, harmonic9, got '{name}'"
+    ):
+        subspace_model(name)
