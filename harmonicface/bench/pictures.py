@@ -50,7 +50,7 @@ def harmonics_picture(surface: Surface) -> bytes:
 
 
 def explanations_picture(result: BenchmarkResult, tiers: Sequence[str] = ()) -> bytes:
-    """Draw a photograph of each tier (all by default), and how well the right and the nearest wrong person explain it."""
+    """Draw a photograph of each tier (all by default), explained by the right and by the nearest wrong person."""
     titles = ("photograph", "gallery saw", "right person", "residual", "nearest wrong", "residual")
     shown = tiers or tuple(result.asked)
     figure, axes = _grid(len(shown), len(titles), 1.25)
