@@ -93,7 +93,7 @@ class Gallery:
 
     @margin.setter
     def margin(self, value: float) -> None:
-        margin = _validate.positive(value, "margin")
+        margin = np.inf if value == np.inf else _validate.positive(value, "margin")
         if margin < 1:
             raise HarmonicFaceError(f"margin: expected a number of at least 1, got {value}")
         self._margin = margin
