@@ -72,7 +72,8 @@ class Subspace:
         u, values, vt = scipy.linalg.svd(r, full_matrices=False, check_finite=False)
         rank = min(int((values > values[0] * rounding).sum()), limit)
         rows = np.ascontiguousarray((q @ u[:, :rank]).T, dtype=np.float32)
-        return cls(rows, vt[:rank] / (values[:rank, None] * scale))
+        # contiguous, as it comes back from a file: the order in memory decides the last bit of a product
+        return cls(rows, np.ascontiguousarray(vt[:rank] / (values[:rank, None] * scale)))
 
     @property
     def rank(self) -> int:
