@@ -1,0 +1,73 @@
+"""The fast ranking against distances computed one person at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from harmonicface.gallery.ranking import ROUNDING, rank
+from harmonicface.gallery.rows import StackedRows
+from harmonicface.recognition.subspace import Subspace
+
+PIXELS = 30
+EVERYWHERE = np.ones(PIXELS, np.bool_)
+
+
+def people(seed: int, count: int) -> tuple[StackedRows, list[np.ndarray]]:
+    rng = np.random.default_rng(seed)
+    pictures = [rng.normal(size=(3, PIXELS)) for _ in range(count)]
+    rows = StackedRows(np.empty((0, PIXELS), np.float32))
+    for person in pictures:
+        rows.append(Subspace.of(person))
+    return rows, pictures
+
+
+def brute(pictures: list[np.ndarray], photo: np.ndarray, good: np.ndarray) -> list[tuple[float, int]]:
+    ranked = []
+    for index, person in enumerate(pictures):
+        seen, pixels = person[:, good], photo[good]
+        rest = pixels - np.linalg.lstsq(seen.T, pixels, rcond=None)[0] @ seen
+        ranked.append((float(np.linalg.norm(rest) / np.linalg.norm(pixels)), index))
+    return sorted(ranked)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 12), st.integers(1, 15), st.booleans())
+def test_the_first_are_the_first(seed: int, count: int, top: int, masked: bool) -> None:
+    rows, pictures = people(seed, count)
+    rng = np.random.default_rng(seed + 1)
+    good = rng.permutation(PIXELS) < 20 if masked else EVERYWHERE
+    photo = rng.normal(size=PIXELS)
+    found = rank(rows, photo[good] / np.linalg.norm(photo[good]), good, top)
+    expected = brute(pictures, photo, good)[:top]
+    assert [index for _, index in found] == [index for _, index in expected]
+    assert_allclose([distance for distance, _ in found], [distance for distance, _ in expected], rtol=0, atol=1e-5)
+
+
+def test_people_nearer_to_each_other_than_rounding_are_ordered_exactly() -> None:
+    rng = np.random.default_rng(0)
+    photo = rng.normal(size=PIXELS)
+    photo /= np.linalg.norm(photo)
+    aside = rng.normal(size=PIXELS)
+    aside -= (aside @ photo) * photo
+    tilts = 1e-3 * (1 + np.arange(6) / 6)[::-1]  # squared, they differ by less than the rounding of the fast product
+    assert np.ptp(tilts**2) < ROUNDING
+    rows = StackedRows(np.empty((0, PIXELS), np.float32))
+    for tilt in tilts:
+        rows.append(Subspace.of((photo + tilt * aside / np.linalg.norm(aside))[None]))
+    found = rank(rows, photo, EVERYWHERE, 2)
+    assert [index for _, index in found] == [5, 4]
+    assert_allclose([distance for distance, _ in found], np.sin(np.arctan(tilts[[5, 4]])), rtol=1e-3)
+
+
+@pytest.mark.parametrize("top", [1, 2, 3, 4])
+def test_ties_keep_the_order_of_enrolment(top: int) -> None:
+    rows = StackedRows(np.empty((0, PIXELS), np.float32))
+    same = Subspace.of(np.random.default_rng(1).normal(size=(3, PIXELS)))
+    for _ in range(4):
+        rows.append(same)
+    photo = np.ones(PIXELS) / np.sqrt(PIXELS)
+    assert [index for _, index in rank(rows, photo, EVERYWHERE, top)] == list(range(top))
