@@ -75,7 +75,7 @@ def tradeoff_picture(methods: Sequence[MethodResult], queries: dict[str, int]) -
         axis.annotate(
             method.method,
             (method.milliseconds, percent),
-            xytext=(8, -14 if ours else 5),
+            xytext=(10, -4) if ours else (8, 5),
             textcoords="offset points",
             color=ACCENT if ours else INK,
             fontweight="bold" if ours else "normal",
@@ -83,7 +83,7 @@ def tradeoff_picture(methods: Sequence[MethodResult], queries: dict[str, int]) -
         )
     axis.set_xscale("log")
     axis.margins(0.16)
-    axis.set_ylim(bottom=-2)
+    axis.set_ylim(bottom=-3)
     axis.set_xlabel("milliseconds a photograph")
     axis.set_ylabel("photographs given to the wrong person, %")
     axis.spines[["top", "right"]].set_visible(False)
