@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import json
+import platform
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import harmonicface as hf
+from harmonicface.bench import measure
+from harmonicface.bench.measure import Record, best_seconds, machine, print_records, write_records
+
+ALONE = Record("load", "one mesh", 0.25, error=0.0, bytes=12, note="in pixels")
+BESIDE = Record("match", "9 people", 0.003, error=1.5, peer="numpy", peer_seconds=0.002)
+FIELDS = {"name", "size", "seconds", "bytes", "error", "peer", "peer_seconds", "ratio", "note"}
+
+
+def test_the_ratio_is_ours_over_the_peers() -> None:
+    assert BESIDE.ratio == pytest.approx(1.5)
+    assert ALONE.ratio is None
+
+
+def test_records_are_written_as_a_list_of_the_promised_fields(tmp_path: Path) -> None:
+    write_records(tmp_path / "records.json", [ALONE, BESIDE])
+    records = json.loads((tmp_path / "records.json").read_text())
+    assert [set(record) for record in records] == [FIELDS, FIELDS]
+    assert (records[1]["ratio"], records[1]["peer"]) == (pytest.approx(1.5), "numpy")
+    with pytest.raises(hf.HarmonicFaceError, match="cannot write"):
+        write_records(tmp_path / "none" / "records.json", [ALONE])
+
+
+def test_records_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    print_records([ALONE, BESIDE])
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0] == "load, one mesh: 250.00 ms"
+    assert printed[1].strip() == "error 0.0; in pixels"
+    assert printed[2] == "match, 9 people: 3.00 ms; numpy: 2.00 ms; ratio 1.50"
+
+
+def test_the_best_of_several_after_one_to_warm_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, calls = iter([0, 5, 10, 12, 20, 29]), []
+    monkeypatch.setattr(measure.time, "perf_counter", lambda: next(clock))
+    assert best_seconds(lambda: calls.append(1), repeats=3) == 2
+    assert len(calls) == 4
+
+
+def test_a_measurement_tells_where_it_was_taken() -> None:
+    about = machine()
+    assert about["python"] == platform.python_version()
+    packages = about["packages"]
+    assert isinstance(packages, dict)
+    assert packages["harmonicface"] == hf.__version__
+    assert packages["numpy"] == np.__version__
+    assert about["processor"]
+    assert isinstance(about["cores"], int)
+    json.dumps(about)
+
+
+def test_the_processor_has_a_name_without_proc(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "is_file", lambda _: False)
+    assert machine()["processor"] == (platform.processor() or platform.machine())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the name is read from /proc/cpuinfo, which Linux has")
+def test_a_processor_list_without_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "read_text", lambda *_, **__: "model name\t: Analytical Engine: rev 2\n")
+    assert machine()["processor"] == "Analytical Engine: rev 2"
+    monkeypatch.setattr(Path, "read_text", lambda *_, **__: "bogomips: 1\n")
+    assert machine()["processor"] == (platform.processor() or platform.machine())
