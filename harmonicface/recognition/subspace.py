@@ -119,8 +119,9 @@ class Subspace:
             Another count of pixels, NaN or infinity.
         """
         pixels = _pixels(photo, self.rows.shape[1])
-        first = (self.rows @ pixels) @ self.rows
-        return np.asarray(first + (self.rows @ (pixels - first)) @ self.rows)
+        rows = self.rows.astype(np.float64)  # once, rather than in each product
+        first = (rows @ pixels) @ rows
+        return np.asarray(first + (rows @ (pixels - first)) @ rows)
 
     def coefficients(self, photo: ArrayLike) -> NDArray[np.float64]:
         """Return how the k pictures combine to the photograph best, (k,).
