@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +12,15 @@ from numpy.typing import ArrayLike
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics import _memory
+from harmonicface.harmonics._blocks import all_harmonics, nine_harmonics
 from harmonicface.harmonics.indexing import count
+
+NINE_BLOCK = 1 << 15  # directions at once: scratch and results stay in the cache, calls are few
+BLOCK = 1 << 12
+THREADS = 4  # more of them wait for the memory
+THREADED_SIZE = 1 << 20  # numbers below which starting threads costs more than it saves
+LENGTH_TOLERANCE = 2e-3  # of the squared length, as in `_validate.unit_normals`
 
 
 def real_harmonics(directions: ArrayLike, order: int, out: Floats | None = None) -> Floats:
@@ -20,7 +30,8 @@ def real_harmonics(directions: ArrayLike, order: int, out: Floats | None = None)
 
     with the cosine for m > 0, the sine for m < 0 and neither (nor the root) for m = 0. In order 2 that is 1, y, z,
     x, xy, yz, 3z^2 - 1, xz, x^2 - y^2 times 0.282095, 0.488603, 1.092548 or 0.315392, 0.546274 (Ramamoorthi &
-    Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001, equation 3).
+    Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001, equation 3). Large inputs are
+    shared among up to four threads.
 
     Parameters
     ----------
@@ -29,7 +40,8 @@ def real_harmonics(directions: ArrayLike, order: int, out: Floats | None = None)
     order
         The highest degree l, at least 0.
     out
-        Where to write the result: C-contiguous, of the result's shape and type. Made if not given.
+        Where to write the result: C-contiguous, of the result's shape and type. Made if not given. After an error
+        its values mean nothing.
 
     Returns
     -------
@@ -39,59 +51,52 @@ def real_harmonics(directions: ArrayLike, order: int, out: Floats | None = None)
     Raises
     ------
     HarmonicFaceError
-        Directions that are not finite unit vectors, a negative order, an `out` that does not fit.
+        Directions that are not finite unit vectors (to 1e-3), a negative order, an `out` that does not fit, a
+        result larger than the memory.
 
     Examples
     --------
     >>> real_harmonics([0.0, 0.0, 1.0], order=1).round(6)
     array([0.282095, 0.      , 0.488603, 0.      ])
     """
-    unit = _validate.unit_normals(directions, "directions")
-    shape = (count(order), *unit.shape[:-1])
-    if out is None:
-        out = np.empty(shape, unit.dtype)
-    elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != unit.dtype or not out.flags.c_contiguous:
-        expected = f"a C-contiguous array of shape {shape} and type {unit.dtype}"
-        raise HarmonicFaceError(f"out: expected {expected}, got {_validate.describe(out)}")
-    x, y, z = np.ascontiguousarray(np.moveaxis(unit, -1, 0))
-    cosine, sine = np.ones_like(x), np.zeros_like(x)  # sin(theta)^m times cos(m phi) and sin(m phi)
-    for mode in range(order + 1):
-        if mode:
-            cosine, sine = x * cosine - y * sine, x * sine + y * cosine
-        _fill_mode(out, z, cosine, sine, mode, order)
+    vectors = _validate.floats(directions, "directions")
+    if vectors.ndim == 0 or vectors.shape[-1] != 3:
+        raise HarmonicFaceError(f"directions: expected vectors of shape (..., 3), got {_validate.describe(vectors)}")
+    out = _place(out, (count(order), *vectors.shape[:-1]), vectors.dtype, order)
+    flat, rows = vectors.reshape(-1, 3), out.reshape(len(out), -1)
+    shares = min(THREADS, _cores(), rows.size // THREADED_SIZE + 1)
+    bounds = [len(flat) * share // shares for share in range(shares + 1)]
+    if shares == 1:
+        _fill(flat, rows, order)
+    else:
+        with ThreadPoolExecutor(shares) as pool:
+            pieces = [slice(*pair) for pair in pairwise(bounds)]
+            list(pool.map(lambda piece: _fill(flat[piece], rows[:, piece], order), pieces))
     return out
 
 
-def _fill_mode(out: Floats, z: Floats, cosine: Floats, sine: Floats, mode: int, order: int) -> None:
-    """Write the harmonics +-mode of every degree, by the normalized three-term recursion in the degree.
-
-    What recurs is N P_l^m / sin(theta)^m, a polynomial in z, so that nothing is divided at the poles.
-    """
-    below: Floats | None = None
-    current: Floats = np.full_like(z, _sectoral(mode))
-    for degree in range(mode, order + 1):
-        if degree > mode:
-            step, back = _recursion(degree, mode)
-            following = step * z * current
-            if below is not None:
-                following -= step * back * below
-            below, current = current, following
-        centre = degree * (degree + 1)
-        np.multiply(current, cosine, out=out[centre + mode, ...])
-        if mode:
-            np.multiply(current, sine, out=out[centre - mode, ...])
+def _place(out: Floats | None, shape: tuple[int, ...], dtype: np.dtype[np.floating], order: int) -> Floats:
+    """Return where the result goes: what was given if it fits, else a new array."""
+    if out is None:
+        return _memory.empty(shape, dtype, f"harmonics of order {order} at directions of shape {shape[1:]}")
+    if not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != dtype or not out.flags.c_contiguous:
+        expected = f"a C-contiguous array of shape {shape} and type {dtype}"
+        raise HarmonicFaceError(f"out: expected {expected}, got {_validate.describe(out)}")
+    return out
 
 
-def _sectoral(mode: int) -> float:
-    """Return Y_mm over (sin(theta)^m cos(m phi)), by a product that stays near one."""
-    squared = 1 / (4 * math.pi)
-    for k in range(1, mode + 1):
-        squared *= (2 * k + 1) / (2 * k)
-    return math.sqrt(squared * (2 if mode else 1))
+def _fill(directions: Floats, out: Floats, order: int) -> None:
+    """Write the harmonics block by block; lengths are checked where the block is in the cache anyway."""
+    size = max(1, min(len(directions), NINE_BLOCK if order == 2 else BLOCK))
+    write = nine_harmonics(size, directions.dtype) if order == 2 else all_harmonics(order)
+    with np.errstate(over="ignore", invalid="ignore"):  # what these would tell is told by the lengths
+        for first in range(0, len(directions), size):
+            block = directions[first : first + size]
+            least, largest = write(block, out[:, first : first + size])
+            if not (least >= 1 - LENGTH_TOLERANCE and largest <= 1 + LENGTH_TOLERANCE):
+                _validate.unit_normals(block, "directions")
 
 
-def _recursion(degree: int, mode: int) -> tuple[float, float]:
-    """Return a and b of P_l = a (z P_(l-1) - b P_(l-2)) for normalized associated Legendre functions."""
-    step = math.sqrt((4 * degree**2 - 1) / (degree**2 - mode**2))
-    back = math.sqrt(((degree - 1) ** 2 - mode**2) / (4 * (degree - 1) ** 2 - 1))
-    return step, back
+def _cores() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,107 @@
+"""Harmonics of one block of directions, small enough for the cache; each says how long its vectors are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from harmonicface._validate import Floats
+
+Lengths = tuple[Any, Any]
+Kernel = Callable[[Floats, Floats], Lengths]
+
+# Constants of order 2, and a scale that makes the products xy, yz, xz harmonics without further factors.
+CONSTANT = math.sqrt(1 / (4 * math.pi))
+LINEAR = math.sqrt(3 / (4 * math.pi))
+MIXED = math.sqrt(15 / (4 * math.pi))
+SCALE = math.sqrt(MIXED)
+ZONAL = math.sqrt(5 / (16 * math.pi))
+
+
+def nine_harmonics(size: int, dtype: np.dtype[Any]) -> Kernel:
+    """Return a function that writes the nine harmonics of up to `size` directions, (n, 3) into (9, n).
+
+    It computes in place: five rows of scratch, no temporaries. The function returns the least and the largest
+    squared length of the directions (NaN if one is not a number).
+    """
+    scratch = np.empty((4, size), dtype)
+    number = dtype.type  # python floats would be as good, but slower to convert at each call
+    scale, linear, half = number(SCALE), number(LINEAR / SCALE), number(0.5)
+    zonal, offset, constant = number(3 * ZONAL / MIXED), number(ZONAL), number(CONSTANT)
+
+    def write(directions: Floats, out: Floats) -> Lengths:
+        x, y, z, work = scratch[:, : len(directions)]
+        np.multiply(directions.T, scale, out=scratch[:3, : len(directions)])
+        out[0] = constant
+        np.multiply(y, linear, out=out[1])
+        np.multiply(z, linear, out=out[2])
+        np.multiply(x, linear, out=out[3])
+        np.multiply(x, y, out=out[4])
+        np.multiply(y, z, out=out[5])
+        np.multiply(x, z, out=out[7])
+        np.multiply(x, x, out=x)
+        np.multiply(y, y, out=y)
+        np.multiply(z, z, out=z)
+        np.multiply(z, zonal, out=work)
+        np.subtract(work, offset, out=out[6])
+        np.subtract(x, y, out=work)
+        np.multiply(work, half, out=out[8])
+        np.add(x, y, out=x)
+        np.add(x, z, out=x)
+        return x.min() / MIXED, x.max() / MIXED
+
+    return write
+
+
+def all_harmonics(order: int) -> Kernel:
+    """Return a function that writes the harmonics up to an order, (n, 3) into ((order + 1)^2, n), by recursion."""
+
+    def write(directions: Floats, out: Floats) -> Lengths:
+        x, y, z = np.ascontiguousarray(directions.T)
+        cosine, sine = np.ones_like(x), np.zeros_like(x)  # sin(theta)^m times cos(m phi) and sin(m phi)
+        for mode in range(order + 1):
+            if mode:
+                cosine, sine = x * cosine - y * sine, x * sine + y * cosine
+            _fill_mode(out, z, cosine, sine, mode, order)
+        squared = x * x + y * y + z * z
+        return squared.min(), squared.max()
+
+    return write
+
+
+def _fill_mode(out: Floats, z: Floats, cosine: Floats, sine: Floats, mode: int, order: int) -> None:
+    """Write the harmonics +-mode of every degree, by the normalized three-term recursion in the degree.
+
+    What recurs is N P_l^m / sin(theta)^m, a polynomial in z, so that nothing is divided at the poles.
+    """
+    below: Floats | None = None
+    current: Floats = np.full_like(z, _sectoral(mode))
+    for degree in range(mode, order + 1):
+        if degree > mode:
+            step, back = _recursion(degree, mode)
+            following = step * z * current
+            if below is not None:
+                following -= step * back * below
+            below, current = current, following
+        centre = degree * (degree + 1)
+        np.multiply(current, cosine, out=out[centre + mode])
+        if mode:
+            np.multiply(current, sine, out=out[centre - mode])
+
+
+def _sectoral(mode: int) -> float:
+    """Return Y_mm over (sin(theta)^m cos(m phi)), by a product that stays near one."""
+    squared = 1 / (4 * math.pi)
+    for k in range(1, mode + 1):
+        squared *= (2 * k + 1) / (2 * k)
+    return math.sqrt(squared * (2 if mode else 1))
+
+
+def _recursion(degree: int, mode: int) -> tuple[float, float]:
+    """Return a and b of P_l = a (z P_(l-1) - b P_(l-2)) for normalized associated Legendre functions."""
+    step = math.sqrt((4 * degree**2 - 1) / (degree**2 - mode**2))
+    back = math.sqrt(((degree - 1) ** 2 - mode**2) / (4 * (degree - 1) ** 2 - 1))
+    return step, back
