@@ -1,0 +1,436 @@
+"""The command line: what each command does, and one line for whatever it cannot do."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import harmonicface as hf
+from harmonicface.bench.contenders import METHODS
+from harmonicface.cli import main
+
+ADA, EMMY = hf.synthetic_people(2, 24, seed=1)
+LAMPS = [hf.lights.from_angles(azimuth, elevation) for azimuth, elevation in ((0, 0), (40, 10), (-30, 20), (10, -30))]
+WEDGE = """v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0
+v 0 0 1
+vn 0 0 1
+f 1 2 5
+f 2 3 5
+f 3 4 5
+f 4 1 5
+"""
+
+
+@dataclass
+class Answer:
+    code: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Answer]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    def called(*arguments: object) -> Answer:
+        monkeypatch.setattr(sys, "argv", ["harmonicface", *map(str, arguments)])
+        capsys.readouterr()
+        code = 0
+        try:
+            main()
+        except SystemExit as leaving:
+            code = int(leaving.code or 0)
+        said = capsys.readouterr()
+        return Answer(code, said.out, said.err)
+
+    return called
+
+
+@pytest.fixture
+def refused(run: Run) -> Callable[..., str]:
+    """Run what cannot be done; return the one line that says why."""
+
+    def called(*arguments: object) -> str:
+        answer = run(*arguments)
+        assert answer.code == 2
+        assert answer.out == ""
+        assert answer.err.endswith("\n")
+        assert answer.err.count("\n") == 1, answer.err
+        assert answer.err.startswith("harmonicface: ")
+        return answer.err
+
+    return called
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[Path]:
+    """Two people, photographs of them, a mesh, and files that are none of these."""
+    ADA.save(tmp_path / "ada.npz")
+    EMMY.save(tmp_path / "emmy.npz")
+    for number, lamp in enumerate(LAMPS):
+        hf.write_image(tmp_path / f"ada{number}.png", hf.render(ADA, lamp))
+        hf.write_image(tmp_path / f"emmy{number}.png", hf.render(EMMY, lamp))
+    hf.write_image(tmp_path / "small.png", np.ones((5, 4)))
+    hf.write_image(tmp_path / "black.png", np.zeros((24, 24)))
+    (tmp_path / "wedge.obj").write_text(WEDGE)
+    np.savez(tmp_path / "other.npz", values=np.ones(3))
+    (tmp_path / "text.png").write_text("a picture")
+    yield tmp_path
+
+
+@pytest.fixture
+def people(run: Run, folder: Path) -> Path:
+    assert run("enroll", folder / "people.gallery", "ada", folder / "ada.npz").code == 0
+    assert run("enroll", folder / "people.gallery", "emmy", folder / "emmy.npz").code == 0
+    return folder / "people.gallery"
+
+
+def test_a_process_of_its_own_ends_in_one_line_and_code_two(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "from harmonicface.cli import main; main()", "match", "none.gallery", "none.png"]
+    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert ended.returncode == 2
+    assert ended.stdout == ""
+    assert ended.stderr == "harmonicface: expected a file at none.gallery, got none\n"
+
+
+def test_help_for_every_command(run: Run) -> None:
+    whole = run("--help")
+    assert whole.code == 0
+    for command in ("bench", "enroll", "match", "images", "evaluate"):
+        assert command in whole.out
+        assert run(command, "--help").code == 0
+    assert run("evaluate", "yale-b", "--help").code == 0
+
+
+@pytest.mark.parametrize("arguments", [["frobnicate"], ["images", "x.npz"], ["bench", "--faces", "many"]])
+def test_what_the_parser_refuses(run: Run, arguments: list[str]) -> None:
+    answer = run(*arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert "Error" in answer.err
+    assert "Traceback" not in answer.err
+
+
+def test_enrolling_and_matching(run: Run, folder: Path, people: Path) -> None:
+    assert hf.Gallery.open(people).names == ("ada", "emmy")
+    answer = run("match", people, folder / "ada1.png", folder / "emmy1.png")
+    assert (answer.code, answer.err) == (0, "")
+    lines = answer.out.splitlines()
+    assert lines[0].startswith(f"{folder / 'ada1.png'}: ada (")
+    assert [line.split()[1] for line in lines[1:3]] == ["ada", "emmy"]
+    assert lines[3].startswith(f"{folder / 'emmy1.png'}: emmy (")
+
+
+def test_matching_as_one_json_object(run: Run, folder: Path, people: Path) -> None:
+    answer = run("match", people, folder / "ada1.png", folder / "emmy1.png", "--json", "--top", 1)
+    assert (answer.code, answer.err, answer.out.count("\n")) == (0, "", 1)
+    found = json.loads(answer.out)
+    assert set(found) == {"gallery", "matches"}
+    expected = hf.Gallery.open(people).match(hf.read_image(folder / "ada1.png"), top=1)
+    first = found["matches"][0]
+    assert set(first) == {"photo", "name", "distance", "margin", "light", "candidates"}
+    assert (first["photo"], first["name"]) == (str(folder / "ada1.png"), "ada")
+    assert (first["distance"], first["margin"]) == (expected.distance, expected.margin)
+    assert expected.light is not None
+    assert first["light"] == expected.light.values.tolist()
+    assert first["candidates"] == [{"name": "ada", "distance": expected.distance}]
+    assert found["matches"][1]["name"] == "emmy"
+
+
+def test_somebody_unknown(run: Run, folder: Path, people: Path) -> None:
+    hf.write_image(folder / "stripes.png", np.tile([0.1, 0.9], (24, 12)))
+    answer = run("match", people, folder / "stripes.png")
+    assert f"{folder / 'stripes.png'}: unknown (" in answer.out
+    assert json.loads(run("match", people, folder / "stripes.png", "--json").out)["matches"][0]["name"] is None
+
+
+def test_enrolling_from_photographs(run: Run, folder: Path) -> None:
+    gallery = folder / "photographed.gallery"
+    answer = run("enroll", gallery, "ada", *(folder / f"ada{number}.png" for number in range(3)))
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out == f"ada enrolled; {gallery} holds 1 person\n"
+    answer = run("enroll", gallery, "emmy", *(folder / f"emmy{number}.png" for number in range(3)))
+    assert answer.out == f"emmy enrolled; {gallery} holds 2 people\n"
+    found = json.loads(run("match", gallery, folder / "ada0.png", "--json").out)["matches"][0]
+    assert (found["name"], found["light"]) == ("ada", None)
+
+
+def test_enrolling_a_mesh_at_a_size(run: Run, folder: Path) -> None:
+    assert run("enroll", folder / "meshes.gallery", "wedge", folder / "wedge.obj", "--size", 20).code == 0
+    assert hf.Gallery.open(folder / "meshes.gallery").mask.shape == (20, 20)
+    assert run("enroll", folder / "usual.gallery", "wedge", folder / "wedge.obj").code == 0
+    assert hf.Gallery.open(folder / "usual.gallery").mask.shape == (64, 64)
+
+
+def test_images_of_a_saved_surface(run: Run, folder: Path) -> None:
+    out = folder / "new" / "pictures"
+    answer = run("images", folder / "ada.npz", "--out", out)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out == f"9 pictures and surface.npz are in {out}\n"
+    modes = ["l0_m+0", "l1_m-1", "l1_m+0", "l1_m+1", "l2_m-2", "l2_m-1", "l2_m+0", "l2_m+1", "l2_m+2"]
+    names = [f"harmonic_{number}_{mode}.png" for number, mode in enumerate(modes)]
+    assert sorted(path.name for path in out.iterdir()) == sorted([*names, "surface.npz"])
+    saved = hf.load_surface(out / "surface.npz")
+    np.testing.assert_array_equal(saved.normals, ADA.normals)
+    np.testing.assert_array_equal(saved.albedo, ADA.albedo)
+    pictures = hf.harmonic_images(ADA)
+    for name, image in zip(names, pictures, strict=True):
+        shown = np.asarray(Image.open(out / name)).astype(int)
+        assert shown.shape == (24, 24, 3)
+        red_over_blue = (shown[..., 0] - shown[..., 2])[ADA.mask]
+        strong = np.abs(image) > 0.1 * np.abs(pictures).max()
+        assert (np.sign(red_over_blue[strong]) == np.sign(image[strong])).all()
+
+
+def test_images_of_a_mesh(run: Run, folder: Path) -> None:
+    out = folder / "pictures"
+    answer = run("images", folder / "wedge.obj", "--out", out, "--order", 1, "--size", 32, "--frame=-2,-2,2,2")
+    assert answer.out == f"4 pictures and surface.npz are in {out}\n"
+    surface = hf.load_surface(out / "surface.npz")
+    assert surface.shape == (32, 32)
+    np.testing.assert_allclose(surface.mask.mean(), 0.25, atol=0.02)
+    assert not surface.mask[16, 26]
+    turned = run(
+        "images", folder / "wedge.obj", "--out", out, "--size", 32, "--rotation", "0,0,45", "--frame=-2,-2,2,2"
+    )
+    assert turned.code == 0
+    assert hf.load_surface(out / "surface.npz").mask[16, 26]  # within the corner that was turned there
+
+
+def test_images_of_a_black_surface_are_white(run: Run, folder: Path) -> None:
+    hf.Surface(ADA.normals, np.zeros_like(ADA.albedo), ADA.mask).save(folder / "black.npz")
+    assert run("images", folder / "black.npz", "--out", folder / "pictures").err == ""
+    shown = np.asarray(Image.open(folder / "pictures" / "harmonic_0_l0_m+0.png"))
+    assert shown[ADA.mask].min() > 240
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["ada0.png"], "expected a mesh (.glb .obj .ply .stl) or a saved Surface (.npz), got the ending '.png'"),
+        (["other.npz"], "expected a saved Surface, got a file without"),
+        (["text.npz"], "expected a saved Surface, got no file"),
+        (["none.obj"], "expected a mesh"),
+        (["."], "expected a mesh (.glb .obj .ply .stl) or a saved Surface"),
+        (["wedge.obj", "--size", "0"], "size: expected pixels"),
+        (["wedge.obj", "--frame", "1,2"], "frame: expected 4 comma-separated numbers, got '1,2'"),
+        (["wedge.obj", "--frame", "5,5,6,6"], "frame"),
+        (["wedge.obj", "--rotation", "1,x,3"], "rotation: expected 3 comma-separated numbers, got '1,x,3'"),
+        (["wedge.obj", "--rotation", "nan,0,0"], "rotation: expected finite numbers"),
+        (["wedge.obj", "--texture", "small.png"], "expected texture coordinates"),
+        (["wedge.obj", "--flip-texture"], "flip_texture: expected a texture to flip"),
+        (["ada.npz", "--size", "32"], "expected no view of a saved Surface, got size"),
+        (["ada.npz", "--rotation", "0,0,0"], "expected no view of a saved Surface, got rotation"),
+        (["ada.npz", "--order", "-1"], "order: expected an integer of at least 0, got int -1"),
+    ],
+)
+def test_images_of_what_is_no_surface(
+    refused: Callable[..., str], folder: Path, monkeypatch: pytest.MonkeyPatch, options: list[str], message: str
+) -> None:
+    monkeypatch.chdir(folder)
+    assert message in refused("images", *options, "--out", "pictures")
+    assert not Path("pictures").exists()
+
+
+@pytest.mark.parametrize("out", ["small.png", "small.png/below"])
+def test_images_where_there_is_no_folder(
+    refused: Callable[..., str], folder: Path, monkeypatch: pytest.MonkeyPatch, out: str
+) -> None:
+    monkeypatch.chdir(folder)
+    assert f"cannot make the folder {out}: " in refused("images", "ada.npz", "--out", out)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["people.gallery", "ada", "ada.npz"], "name: expected one that is not in the gallery yet, got 'ada', who is"),
+        (["people.gallery", "", "ada.npz"], "name: expected a text that is not empty"),
+        (["people.gallery", "new", "none.npz"], "expected a saved Surface, got no file none.npz"),
+        (["people.gallery", "new", "other.npz"], "other.npz: expected a saved Surface"),
+        (["people.gallery", "new", "wedge.obj"], "surface: expected the gallery's shape (24, 24), got (64, 64)"),
+        (["people.gallery", "new", "ada0.png"], "source: expected a Surface, or at least 3 photographs"),
+        (
+            ["people.gallery", "new", "ada0.png", "small.png"],
+            "small.png: expected the size of ada0.png, (24, 24), got (5",
+        ),
+        (["people.gallery", "new", *["small.png"] * 3], "photographs: expected the gallery's shape (24, 24)"),
+        (["people.gallery", "new", *["ada.npz"] * 3], "ada.npz: expected an image"),
+        (
+            ["people.gallery", "new", *["ada0.png"] * 3, "--size", "9"],
+            "expected the options of a view with one mesh only",
+        ),
+        (
+            ["people.gallery", "new", *["ada0.png"] * 3, "--flip-texture"],
+            "expected the options of a view with one mesh",
+        ),
+        ([".", "new", "ada.npz"], "expected a file at ., got a folder"),
+        (["small.png", "new", "ada.npz"], "small.png: expected a whole file of named arrays"),
+        (["none/people.gallery", "new", "ada.npz"], "cannot write none/people.gallery: No such file or directory"),
+    ],
+)
+def test_people_who_cannot_be_enrolled(
+    refused: Callable[..., str], people: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str
+) -> None:
+    monkeypatch.chdir(people.parent)
+    before = people.read_bytes(), sorted(Path().iterdir())
+    assert message in refused("enroll", *arguments)
+    assert (people.read_bytes(), sorted(Path().iterdir())) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["none.gallery", "ada0.png"], "expected a file at none.gallery, got none"),
+        ([".", "ada0.png"], "expected a file at ., got a folder"),
+        (["ada0.png", "ada0.png"], "expected a whole file of named arrays, got a damaged or foreign one"),
+        (["people.gallery", "none.png"], "none.png: expected an image"),
+        (["people.gallery", "text.png"], "text.png: expected"),
+        (["people.gallery", "wedge.obj"], "wedge.obj: expected an image"),
+        (["people.gallery", "ada0.png", "small.png"], "photo: expected the gallery's shape (24, 24), got (5, 4)"),
+        (["people.gallery", "black.png"], "photo: expected some light in it"),
+        (["people.gallery", "ada0.png", "--top", "0"], "top: expected an integer of at least 1, got int 0"),
+    ],
+)
+@pytest.mark.parametrize("json_too", [[], ["--json"]], ids=["", "json"])
+def test_what_cannot_be_matched(
+    refused: Callable[..., str],
+    people: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    message: str,
+    json_too: list[str],
+) -> None:
+    monkeypatch.chdir(people.parent)
+    assert message in refused("match", *arguments, *json_too)
+
+
+SMALL = ["--faces", 3, "--size", 24, "--queries", 1]
+
+
+@pytest.fixture
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the report's pictures out: drawing them takes seconds."""
+    for name in ("explanations_picture", "harmonics_picture", "lights_picture", "tradeoff_picture"):
+        monkeypatch.setattr(f"harmonicface.bench.pictures.{name}", lambda *_: b"")
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_the_main_job(run: Run, tmp_path: Path) -> None:
+    answer = run("bench", *SMALL, "--out", tmp_path / "report")
+    assert answer.code == 0
+    for method in METHODS:
+        assert f"\n{method} " in answer.out
+    assert answer.out.rstrip().endswith("report.html")
+    assert "photographs for the gallery" in answer.err
+    assert (tmp_path / "report" / "report.html").is_file()
+    assert set(json.loads((tmp_path / "report" / "results.json").read_text())["methods"]) == set(METHODS)
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_the_main_job_as_one_json_object_and_again_the_same_errors(run: Run, tmp_path: Path) -> None:
+    found = []
+    for _ in range(2):
+        options = ("--methods", "harmonic9, lbph", "--seed", 4, "--json", "--out", tmp_path)
+        answer = run("bench", *SMALL, *options)
+        assert (answer.code, answer.out.count("\n")) == (0, 1)
+        found.append(json.loads(answer.out))
+    assert found[0].keys() == json.loads((tmp_path / "results.json").read_text()).keys()
+    assert list(found[0]["methods"]) == ["harmonic9", "lbph"]
+    assert found[0]["seed"] == 4
+    for method in ("harmonic9", "lbph"):
+        assert found[0]["methods"][method]["errors"] == found[1]["methods"][method]["errors"]
+    assert found[0]["margins"] == found[1]["margins"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--faces", 1], "faces: expected an integer of at least 2, got int 1"),
+        (["--size", 3], "size: expected an integer of at least 16, got int 3"),
+        (["--seed", -1], "seed: expected an integer of at least 0, got int -1"),
+        (["--queries", 0], "queries: expected an integer of at least 1, got int 0"),
+        (["--methods", "magic"], "method: expected one of correlation, "),
+        (["--methods", ""], "method: expected one of correlation, "),
+    ],
+)
+def test_a_job_that_cannot_be_done(refused: Callable[..., str], tmp_path: Path, options: list, message: str) -> None:
+    assert message in refused("bench", *SMALL, *options, "--out", tmp_path / "report")
+
+
+def test_a_report_that_cannot_be_written_is_known_before_the_work(refused: Callable[..., str], folder: Path) -> None:
+    assert "cannot make the folder" in refused("bench", "--faces", 1000, "--out", folder / "small.png")
+
+
+@pytest.fixture(scope="module")
+def yale(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two synthetic people under four lamps each, in the files of Yale B."""
+    root = tmp_path_factory.mktemp("yale")
+    for number, surface in enumerate(hf.synthetic_people(2, (192, 168), seed=3), start=1):
+        (root / f"yaleB{number:02d}").mkdir()
+        for azimuth, elevation in ((0, 0), (10, 0), (-5, 10), (35, 15)):
+            picture = hf.render(surface, hf.lights.from_angles(-azimuth, elevation))
+            levels = np.rint(255 * np.clip(picture, 0, 1)).astype(np.uint8)
+            name = f"yaleB{number:02d}_P00A{azimuth:+04d}E{elevation:+03d}.pgm"
+            Image.fromarray(levels).save(root / f"yaleB{number:02d}" / name)
+    return root
+
+
+def test_evaluating(run: Run, yale: Path) -> None:
+    answer = run("evaluate", "yale-b", yale, "--methods", "harmonic9,correlation")
+    assert answer.code == 0
+    rows = [line.split() for line in answer.out.splitlines()]
+    assert ["method", "subset", "1", "subset", "3", "ms"] in rows
+    assert [row[:3] for row in rows if row and row[0] == "harmonic9"] == [["harmonic9", "0.00", "0.00"]]
+
+
+def test_evaluating_as_one_json_object(run: Run, yale: Path) -> None:
+    answer = run("evaluate", "yale-b", yale, "--people", "1-2", "--methods", "harmonic9", "--json")
+    assert (answer.code, answer.out.count("\n")) == (0, 1)
+    found = json.loads(answer.out)
+    assert set(found) == {"protocol", "train", "people", "n", "methods"}
+    assert (found["protocol"], found["train"], found["people"]) == ("yale-b", "subset1", [1, 2])
+    assert found["n"] == {"1": 6, "2": 0, "3": 2, "4": 0, "5": 0}
+    nine = found["methods"]["harmonic9"]
+    assert set(nine) == {"error_percent", "ms_per_query"}
+    assert nine["error_percent"] == {"1": 0.0, "3": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--people", "rubbish"], "people: expected numbers and ranges such as 1,3,5-7, got 'rubbish'"),
+        (["--people", "1"], "people: expected at least two to tell apart, got 1"),
+        (["--people", "1,7"], "expected people that are in"),
+        (["--train", "magic"], "train: expected one of subset1, subset12, got 'magic'"),
+        (["--methods", "magic"], "method: expected one of correlation, "),
+    ],
+)
+def test_what_cannot_be_evaluated(refused: Callable[..., str], yale: Path, options: list[str], message: str) -> None:
+    assert message in refused("evaluate", "yale-b", yale, *options)
+    assert message in refused("evaluate", "yale-b", yale, *options, "--json")
+
+
+def test_evaluating_what_is_not_there(refused: Callable[..., str], tmp_path: Path) -> None:
+    assert "got no folder" in refused("evaluate", "yale-b", tmp_path / "none")
+    assert "expected folders yaleB01" in refused("evaluate", "yale-b", tmp_path)
+
+
+def test_a_message_of_several_lines_is_printed_as_one(
+    refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing() -> None:
+        raise hf.HarmonicFaceError("expected\n  this,\tgot that")
+
+    monkeypatch.setattr("harmonicface.cli.app", failing)
+    assert refused() == "harmonicface: expected this, got that\n"
