@@ -1,0 +1,342 @@
+"""Inverse lighting against exact sums of clamped cosines, closed forms, scipy's least squares and drawn noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import NDArray
+from scipy.linalg import lstsq
+
+import harmonicface as hf
+from harmonicface.appearance.inverse import estimate_light
+from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics.indexing import degrees
+
+Array = NDArray[np.float64]
+
+
+def whole_sphere(size: int = 40, seed: int = 0, colours: int = 0) -> hf.Surface:
+    """Return pixels with normals in all directions."""
+    rng = np.random.default_rng(seed)
+    normals = rng.normal(size=(size, size, 3))
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    return hf.Surface(normals, rng.uniform(0.3, 1, (size, size, colours) if colours else (size, size)))
+
+
+def half_sphere(size: int = 48) -> hf.Surface:
+    """Return a white ball as a camera sees it."""
+    x, y = np.meshgrid(np.linspace(-1, 1, size), np.linspace(1, -1, size))
+    inside = x**2 + y**2 < 0.999
+    normals = np.stack([x, y, np.sqrt(np.clip(1 - x**2 - y**2, 0, 1))], axis=-1) * inside[..., None]
+    return hf.Surface(normals, np.ones((size, size)) * inside)
+
+
+def wall(size: int = 8) -> hf.Surface:
+    return hf.Surface(np.tile([0.0, 0.0, 1.0], (size, size, 1)), np.ones((size, size)))
+
+
+def clamped(normals: Array, directions: Array, strengths: Array) -> Array:
+    """Return irradiance by the plain sum over lamps."""
+    return np.maximum(normals @ directions.T, 0) @ strengths
+
+
+def band_limited(surface: hf.Surface, coefficients: Array) -> Array:
+    """Return a photograph under harmonics that is integrated numerically, not filtered: a sum over 131,000 lamps."""
+    z, weights = np.polynomial.legendre.leggauss(256)
+    angles = 2 * np.pi * np.arange(512) / 512
+    ring = np.sqrt(1 - z**2)[:, None]
+    across, up = ring * np.cos(angles), ring * np.sin(angles)
+    directions = np.stack([across, up, np.broadcast_to(z[:, None], across.shape)], axis=-1).reshape(-1, 3)
+    radiance = coefficients @ real_harmonics(directions, int(np.sqrt(len(coefficients))) - 1)
+    strengths = radiance * np.repeat(weights * 2 * np.pi / 512, 512)
+    return surface.albedo * clamped(surface.normals, directions, strengths)
+
+
+def test_the_light_of_a_band_limited_photograph() -> None:
+    rng = np.random.default_rng(1)
+    surface = whole_sphere(12)
+    truth = rng.normal(size=25) * [1] * 25
+    truth[9:16] = 0
+    photo = band_limited(surface, truth)
+    found = estimate_light(photo, surface, order=4)
+    assert_allclose(found.coefficients, truth, atol=2e-3)  # the sum over lamps is good to 1e-4, A_4 is 0.13
+    assert found.residual < 1e-4
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 4, 8])
+def test_exact_harmonic_photographs_give_their_light_back(order: int) -> None:
+    surface = whole_sphere()
+    values = np.random.default_rng(2).normal(size=(order + 1) ** 2)
+    photo = hf.render(surface, hf.HarmonicLight(values))
+    found = estimate_light(photo, surface, order)
+    dark = (degrees(order) % 2 == 1) & (degrees(order) > 1)
+    assert_allclose(found.coefficients[~dark], values[~dark], atol=1e-11)
+    assert_array_equal(found.coefficients[dark], 0)
+    assert_array_equal(found.recoverable, ~dark)
+    assert_array_equal(np.isinf(found.std), dark)
+    assert [mode.name for mode in found.unrecoverable] == [
+        f"L({degree},{mode})" for degree in range(3, order + 1, 2) for mode in range(-degree, degree + 1)
+    ]
+    assert_allclose(hf.render(surface, found.light), photo, atol=1e-12)
+
+
+def test_it_is_least_squares_and_its_singular_values_are_those_of_the_normal_equations() -> None:
+    surface = whole_sphere()
+    photo = hf.render(surface, hf.lights.directional([1, 2, 3]))
+    images = hf.harmonic_images(surface)
+    found = estimate_light(photo, surface)
+    expected, squares, _, _ = lstsq(images.T, photo.ravel())
+    assert_allclose(found.coefficients, expected, atol=1e-12)
+    assert_allclose(found.residual, np.sqrt(squares / photo.size), rtol=1e-12)
+    eigenvalues = np.linalg.eigvalsh(images @ images.T)[::-1]
+    assert_allclose(found.singular_values, eigenvalues, rtol=1e-10)
+    assert_allclose(found.condition, eigenvalues[0] / eigenvalues[-1], rtol=1e-10)
+    assert found.pixels == 1600
+
+
+def test_the_whole_sphere_has_the_condition_of_the_filter() -> None:
+    """Evenly spread normals leave A_0^2 / A_2^2 = 16, A_0^2 / A_4^2 = 576 and A_0^2 / A_8^2 = 16,384."""
+    surface = whole_sphere(256)
+    for order, expected in ((1, 2.25), (2, 16), (4, 576), (8, 128.0**2)):
+        found = estimate_light(hf.render(surface, hf.lights.ambient()), surface, order)
+        assert_allclose(found.condition, expected, rtol=0.35)
+
+
+@pytest.mark.parametrize(
+    ("surface", "order", "draws"),
+    [
+        (whole_sphere(32), 2, 200),
+        (half_sphere(32), 2, 200),
+        (half_sphere(32), 4, 200),
+        (hf.synthetic_person(0, 32), 2, 200),
+        (whole_sphere(16), 8, 1000),  # the largest of 48 ratios from 200 draws would be off by 15 % itself
+    ],
+)
+def test_the_standard_deviation_is_that_of_drawn_noise(surface: hf.Surface, order: int, draws: int) -> None:
+    rng = np.random.default_rng(3)
+    photo = np.asarray(hf.render(surface, hf.lights.natural(0)), np.float64)
+    found = [estimate_light(photo + rng.normal(0, 0.02, photo.shape), surface, order, noise=0.02) for _ in range(draws)]
+    sure = found[0].recoverable
+    assert sure.sum() >= 5
+    ratio = np.std([each.coefficients for each in found], axis=0)[sure] / found[0].std[sure]
+    assert_allclose(ratio, 1, atol=0.15)
+
+
+def test_the_residual_tells_the_noise() -> None:
+    surface = whole_sphere(24)
+    rng = np.random.default_rng(8)
+    photo = np.asarray(hf.render(surface, hf.lights.natural(0), order=4))
+    noises = [estimate_light(photo + rng.normal(0, 0.02, photo.shape), surface, 4).noise for _ in range(20)]
+    assert_allclose(np.mean(noises), 0.02, rtol=0.02)
+
+
+@pytest.mark.parametrize("ridge", [0.003, "decay"])
+def test_the_standard_deviation_under_a_ridge(ridge: float) -> None:
+    surface = whole_sphere(24)
+    rng = np.random.default_rng(4)
+    photo = np.asarray(hf.render(surface, hf.lights.natural(0)))
+    each = [
+        estimate_light(photo + rng.normal(0, 0.05, photo.shape), surface, 4, noise=0.05, ridge=ridge)
+        for _ in range(200)
+    ]
+    sure = each[0].recoverable
+    assert_allclose(np.std([e.coefficients for e in each], axis=0)[sure] / each[0].std[sure], 1, atol=0.15)
+
+
+def test_a_ridge_is_the_penalized_least_squares() -> None:
+    surface = half_sphere(24)
+    photo = np.asarray(hf.render(surface, hf.lights.directional([1, 1, 1])))
+    images = hf.harmonic_images(surface, 4)
+    images = images[np.abs(images).max(axis=1) > 0]
+    weight = np.array([0, 1.5, 1.5, 1.5, *[4.0] * 5, *[24.0] * 9])
+    penalty = 0.01 * np.linalg.norm(images[0]) ** 2 * np.diag(weight**2)
+    expected = np.linalg.solve(images @ images.T + penalty, images @ photo[surface.mask])
+    found = estimate_light(photo, surface, 4, ridge=0.01).coefficients
+    assert_allclose(found[np.r_[:9, 16:25]], expected, atol=1e-10)
+
+
+def test_a_ridge_by_the_decay_helps_where_a_face_is_seen() -> None:
+    surface = hf.synthetic_person(3, 48)
+    rng = np.random.default_rng(5)
+    plain, held = [], []
+    for seed in range(8):
+        light = hf.lights.natural(seed)
+        photo = np.asarray(hf.render(surface, light), np.float64) + rng.normal(0, 0.02, surface.shape)
+        truth = light.coefficients(2)
+        plain.append(np.linalg.norm(estimate_light(photo, surface).coefficients - truth) / np.linalg.norm(truth))
+        fit = estimate_light(photo, surface, 4, ridge="decay").coefficients[:9]
+        held.append(np.linalg.norm(fit - truth) / np.linalg.norm(truth))
+    assert np.median(held) < np.median(plain)
+
+
+def test_a_wall_tells_one_number() -> None:
+    found = estimate_light(np.full((8, 8), 0.7), wall())
+    assert found.condition == np.inf
+    assert len(found.determined) == 1
+    assert len(found.unrecoverable) == 8
+    assert {"L(1,-1)", "L(1,1)", "L(2,-2)", "L(2,-1)", "L(2,1)", "L(2,2)"} < {m.name for m in found.unrecoverable}
+    assert not found.recoverable.any()
+    assert np.isinf(found.std).all()
+    assert_allclose(found.light.irradiance([0.0, 0.0, 1.0]), 0.7)
+    expected = [np.pi * 0.5 / np.sqrt(np.pi), 0, 2 * np.pi / 3 * np.sqrt(0.75 / np.pi)]
+    direction = found.determined[0].direction
+    assert_allclose(direction[[0, 1, 2]] / direction[0], np.array(expected) / expected[0], atol=1e-12)
+    assert_allclose(found.coefficients, [0.7 / expected[0], *[0] * 8], atol=1e-12)  # the smoothest light: ambient
+
+
+def test_a_half_sphere_hides_the_light_from_behind() -> None:
+    """A lamp straight behind lights nothing that is seen; its coefficients are (-1)^l Y_l0."""
+    surface = half_sphere()
+    behind = hf.lights.directional([0, 0, -1]).coefficients(8)[[i * (i + 1) for i in (0, 1, 2, 4, 6, 8)]]
+    for order in (2, 4, 6, 8):
+        found = estimate_light(hf.render(surface, hf.lights.natural(1)), surface, order, noise=1e-4)
+        hidden = [mode for mode in found.unrecoverable if "hidden" in mode.reason]
+        assert len(hidden) == 1
+        seen = hidden[0].direction[[i * (i + 1) for i in (0, 1, 2, 4, 6, 8) if i <= order]]
+        expected = behind[: len(seen)] / np.linalg.norm(behind[: len(seen)])
+        assert abs(seen @ expected) > 0.75
+        assert not found.recoverable[2]  # L(1,0): front and back differ by what is not seen
+        assert found.recoverable[[1, 3, 4]].all()
+
+
+def test_systematic_errors_are_as_told() -> None:
+    """Under single lamps the errors are of the size that is told, under natural light well below it."""
+    surface = hf.synthetic_person(2, 40)
+    rng = np.random.default_rng(6)
+    ratios: dict[str, list[Array]] = {"lamp": [], "natural": []}
+    for seed in range(40):
+        lamp = hf.lights.directional(rng.normal(size=3) * [1, 1, 0.5] + [0, 0, 1])
+        for name, light in (("lamp", lamp), ("natural", hf.lights.natural(seed, 16))):
+            photo = np.asarray(hf.render(surface, light), np.float64)
+            found = estimate_light(photo, surface, 2, noise=0.0)
+            truth = light.coefficients(2)
+            ratios[name].append((found.coefficients - truth) / truth[0])
+            told = found.systematic / truth[0]
+    assert 0.4 < np.sqrt(np.mean(np.square(ratios["lamp"]))) / np.sqrt(np.mean(told**2)) < 2.0
+    assert np.sqrt(np.mean(np.square(ratios["natural"]))) < 0.6 * np.sqrt(np.mean(told**2))
+
+
+def test_noise_drowns_what_it_exceeds() -> None:
+    surface = whole_sphere(10)
+    photo = np.asarray(hf.render(surface, hf.lights.ambient(0.01)))
+    loud = estimate_light(photo, surface, 4, noise=1.0)
+    assert {mode.reason for mode in loud.unrecoverable if mode.name.count("(4")} == {loud.unrecoverable[-1].reason}
+    assert "noise" in loud.unrecoverable[-1].reason
+    assert estimate_light(photo, surface, 4, noise=1e-4).recoverable.sum() == 18
+
+
+def test_few_pixels() -> None:
+    surface = whole_sphere(10)
+    mask = np.zeros((10, 10), bool)
+    mask[0, :5] = True
+    photo = hf.render(surface, hf.lights.natural(0))
+    found = estimate_light(photo, surface, mask=mask, noise=0.01)
+    assert found.pixels == 5
+    assert len(found.determined) <= 5
+    assert len(found.determined) + len(found.unrecoverable) == 9
+    assert found.condition == np.inf
+    with pytest.raises(hf.HarmonicFaceError, match="noise: expected a number, for no more pixels are left than modes"):
+        estimate_light(photo, surface, mask=mask)
+    mask[:] = False
+    mask[3, 4] = True
+    one = estimate_light(photo, surface, mask=mask, noise=0.0)
+    assert len(one.determined) == 1
+
+
+def test_saturated_pixels_are_left_out() -> None:
+    surface = whole_sphere()
+    light = hf.HarmonicLight([3.0, 0.5, 1.0, -0.4, 0.1, 0.2, 0.3, -0.2, 0.1])
+    photo = np.minimum(hf.render(surface, light), 2.0)
+    assert_allclose(estimate_light(photo, surface, saturation=2.0).coefficients, light.values, atol=1e-11)
+    assert np.abs(estimate_light(photo, surface).coefficients - light.values).max() > 0.05
+    with pytest.raises(hf.HarmonicFaceError, match="photo: expected pixels in the masks below saturation=1e-05"):
+        estimate_light(photo + 1, surface, saturation=1e-5)
+
+
+def test_no_light() -> None:
+    surface = hf.synthetic_person(0, 24)
+    found = estimate_light(np.zeros((24, 24)), surface)
+    assert_array_equal(found.coefficients, 0)
+    assert found.residual == found.noise == 0
+    assert np.isfinite(found.coefficients).all()
+    told = estimate_light(np.zeros((24, 24)), surface, noise=0.1)
+    assert_allclose(told.coefficients, 0)
+    assert (told.std[told.recoverable] > 0).all()
+
+
+@pytest.mark.parametrize("colours", [0, 3])
+def test_colour_photographs(colours: int) -> None:
+    surface = whole_sphere(colours=colours)
+    values = np.random.default_rng(7).normal(size=(9, 3))
+    found = estimate_light(hf.render(surface, hf.HarmonicLight(values)), surface)
+    assert_allclose(found.coefficients, values, atol=1e-12)
+    assert found.std.shape == found.systematic.shape == found.recoverable.shape == (9, 3)
+    assert found.singular_values.shape == (9, 3)
+    assert np.shape(found.residual) == np.shape(found.noise) == (3,)
+    assert found.light.channels == 3
+
+
+def test_a_channel_of_its_own() -> None:
+    """Where red is reflected by a wall only, red alone tells one number."""
+    surface = whole_sphere(colours=3)
+    albedo = surface.albedo.copy()
+    albedo[1:, :, 0] = 0
+    normals = surface.normals.copy()
+    normals[0] = [0, 0, 1]
+    surface = hf.Surface(normals, albedo)
+    found = estimate_light(hf.render(surface, hf.lights.natural(0)), surface)
+    grey = estimate_light(hf.render(surface, hf.lights.natural(0)) @ [0.2126, 0.7152, 0.0722], surface)
+    assert [mode.channel for mode in found.unrecoverable] == [0] * 8
+    assert "(channel 0)" in str(found.unrecoverable[0])
+    assert_array_equal(found.recoverable.sum(axis=0), [0, 9, 9])
+    assert grey.recoverable.all()
+
+
+def test_outside_the_mask_nothing_is_read() -> None:
+    surface = half_sphere(24)
+    photo = np.where(surface.mask, hf.render(surface, hf.lights.natural(2)), np.nan)
+    assert np.isfinite(estimate_light(photo, surface).coefficients).all()
+    with pytest.raises(hf.HarmonicFaceError, match="photo: expected finite numbers"):
+        estimate_light(np.full((24, 24), np.nan), surface)
+
+
+def test_float32_surfaces_are_solved_in_double_precision() -> None:
+    surface = whole_sphere()
+    single = hf.Surface(surface.normals.astype(np.float32), surface.albedo.astype(np.float32))
+    found = estimate_light(hf.render(single, hf.HarmonicLight(np.arange(9.0))), single)
+    assert found.coefficients.dtype == np.float64
+    assert_allclose(found.coefficients, np.arange(9.0), atol=1e-5)
+
+
+def test_many_pixels_in_blocks() -> None:
+    surface = whole_sphere(200)
+    photo = np.asarray(hf.render(surface, hf.HarmonicLight(np.arange(9.0))))
+    assert_allclose(estimate_light(photo, surface).coefficients, np.arange(9.0), atol=1e-12)
+
+
+def test_bad_input() -> None:
+    surface = wall()
+    photo = np.ones((8, 8))
+    with pytest.raises(hf.HarmonicFaceError, match=r"photo: expected shape \(8, 8\) or \(8, 8, 3\), as the surface"):
+        estimate_light(photo[:4], surface)
+    with pytest.raises(hf.HarmonicFaceError, match="order: expected an integer of at least 0"):
+        estimate_light(photo, surface, -1)
+    for noise in (-1.0, np.nan, "much"):
+        with pytest.raises(hf.HarmonicFaceError, match="noise: expected a finite number of at least 0"):
+            estimate_light(photo, surface, noise=noise)  # type: ignore[arg-type]
+    for ridge in (-1.0, np.inf, "more", None):
+        with pytest.raises(hf.HarmonicFaceError, match="ridge: expected 'decay' or a finite number"):
+            estimate_light(photo, surface, ridge=ridge)  # type: ignore[arg-type]
+    for saturation in (0.0, np.nan, True):
+        with pytest.raises(hf.HarmonicFaceError, match="saturation: expected a number above 0"):
+            estimate_light(photo, surface, saturation=saturation)
+    with pytest.raises(hf.HarmonicFaceError, match="mask: expected at least one pixel"):
+        estimate_light(photo, surface, mask=np.zeros((8, 8), bool))
+    with pytest.raises(hf.HarmonicFaceError, match="mask: expected at least one pixel"):
+        estimate_light(photo, hf.Surface(surface.normals, photo, mask=np.eye(8) > 0), mask=np.eye(8)[::-1] < 0)
+    with pytest.raises(hf.HarmonicFaceError, match="surface: expected some albedo above 0"):
+        estimate_light(photo, hf.Surface(surface.normals, 0 * photo))
+    with pytest.raises(hf.HarmonicFaceError, match="photo: expected pixels in the masks"):
+        lower = hf.Surface(surface.normals, photo, mask=np.tri(8, dtype=bool))
+        estimate_light(photo, lower, mask=~np.tri(8, dtype=bool))
