@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface import _validate
 from harmonicface.harmonics.indexing import degrees
+from harmonicface.reflectance._arguments import filter_order
 
 
 def lambertian_filter(order: int) -> NDArray[np.float64]:
@@ -18,7 +18,13 @@ def lambertian_filter(order: int) -> NDArray[np.float64]:
               A_{l+2} = -\frac{l - 1}{l + 4} A_l \;(l \ge 2, \text{even}), \quad A_2 = \pi/4
 
     The harmonic coefficients of max(cos, 0), scaled by sqrt(4 pi / (2l + 1)) (Ramamoorthi & Hanrahan, On the
-    relationship between radiance and irradiance, 2001, equation 24; Basri & Jacobs 2003, equation 8).
+    relationship between radiance and irradiance, 2001, equation 24; Basri & Jacobs 2003, equation 8). For even l
+
+    .. math:: A_l = 2\pi \frac{(-1)^{l/2 - 1}}{(l + 2)(l - 1)} \frac{l!}{2^l ((l/2)!)^2}
+              \to 2 \sqrt{2\pi} \, (-1)^{l/2 - 1} \, l^{-5/2}
+
+    so |A_4 / A_0| is 4.2 % (not the "about 1 %" of Ramamoorthi, Modeling Illumination Variation with Spherical
+    Harmonics, 2005). The recurrence multiplies by less than one and neither overflows nor loses digits at any degree.
 
     Parameters
     ----------
@@ -33,14 +39,14 @@ def lambertian_filter(order: int) -> NDArray[np.float64]:
     Raises
     ------
     HarmonicFaceError
-        A negative order.
+        A negative order, or one beyond what an array should hold.
 
     Examples
     --------
     >>> (lambertian_filter(4) / np.pi).round(6)
     array([ 1.      ,  0.666667,  0.25    ,  0.      , -0.041667])
     """
-    result = np.zeros(_validate.at_least(order, 0, "order") + 1)
+    result = np.zeros(filter_order(order) + 1)
     result[:2] = [math.pi, 2 * math.pi / 3][: order + 1]
     if order >= 2:
         result[2] = math.pi / 4
