@@ -1,0 +1,129 @@
+"""The light in the frame of the surface: tangent frames of normals, and coefficients turned into them."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from harmonicface import _validate
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics.indexing import order_of
+from harmonicface.reflectance._brdf_quadrature import Reals, directions
+
+
+def tangent_frames(normals: ArrayLike, gamma: ArrayLike = 0.0) -> Reals:
+    """Return R = Rz(beta) Ry(alpha) Rz(gamma) of each normal: columns are tangent, bitangent and normal.
+
+    Parameters
+    ----------
+    normals
+        (..., 3) unit vectors with polar angle alpha and azimuth beta (0 where a normal is the z axis).
+    gamma
+        Radians by which the tangent is turned about the normal; broadcasts with the normals' (...).
+
+    Returns
+    -------
+    array
+        (..., 3, 3): `R @ local` is global, `R.T @ global` is local.
+
+    Raises
+    ------
+    HarmonicFaceError
+        Normals that are no unit vectors, angles that are not finite.
+
+    Examples
+    --------
+    >>> tangent_frames([1.0, 0.0, 0.0]).round(6) + 0.0
+    array([[ 0.,  0.,  1.],
+           [ 0.,  1.,  0.],
+           [-1.,  0.,  0.]])
+    """
+    unit = _validate.unit_normals(normals, "normals").astype(np.float64)
+    turn = _validate.finite(gamma, "gamma")
+    x, y, z = np.moveaxis(unit, -1, 0)
+    sine = np.hypot(x, y)
+    along = np.stack([np.where(sine > 0, x, 1.0), y], axis=-1) / np.where(sine > 0, sine, 1.0)[..., None]
+    down = np.stack([along[..., 0] * z, along[..., 1] * z, -sine], axis=-1)
+    side = np.stack([-along[..., 1], along[..., 0], np.zeros_like(z)], axis=-1)
+    cosine, sine = np.cos(turn)[..., None], np.sin(turn)[..., None]
+    return np.stack(np.broadcast_arrays(cosine * down + sine * side, cosine * side - sine * down, unit), axis=-1)
+
+
+def local_light(light: ArrayLike, normals: ArrayLike, gamma: ArrayLike = 0.0) -> Reals:
+    r"""Return the coefficients of the light as each tangent frame sees it.
+
+    .. math:: L(R\,\omega) = \sum_{lq} L^{local}_{lq} Y_{lq}(\omega), \qquad
+              L^{local}_{lq} = \sum_m L_{lm} D^l_{mq}(\alpha, \beta, \gamma)
+
+    in real harmonics (Ramamoorthi & Hanrahan 2004, equations 33 and 46).
+
+    Parameters
+    ----------
+    light
+        ((order + 1)^2,) or ((order + 1)^2, channels) real coefficients in global axes.
+    normals, gamma
+        See `tangent_frames`.
+
+    Returns
+    -------
+    array
+        ((order + 1)^2, ...) or ((order + 1)^2, ..., channels), 8 bytes a number.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A light that is not that, normals that are no unit vectors.
+
+    Examples
+    --------
+    >>> local_light([0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0]).round(6) + 0.0   # light from z is seen from -x
+    array([ 0.,  0.,  0., -1.])
+    """
+    coefficients = real_light(light)
+    unit = _validate.unit_normals(normals, "normals").astype(np.float64)
+    x, y, z = np.moveaxis(unit, -1, 0)
+    turn, alpha, beta = np.broadcast_arrays(
+        _validate.finite(gamma, "gamma"), np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)
+    )
+    columns = coefficients.reshape(len(coefficients), 1, -1)
+    result = np.empty((len(columns), turn.size, columns.shape[2]))
+    for degree in range(order_of(len(columns)) + 1):
+        rows = slice(degree**2, (degree + 1) ** 2)
+        tipped = _tipping(degree)
+        seen = _turned(columns[rows], beta.ravel())
+        seen = _turned(np.tensordot(tipped, seen, (0, 0)), alpha.ravel())
+        result[rows] = _turned(np.tensordot(tipped, seen, (1, 0)), turn.ravel())
+    return result.reshape(len(columns), *turn.shape, *coefficients.shape[1:])
+
+
+def real_light(light: ArrayLike) -> Reals:
+    """Return the real coefficients of a light, (k,) or (k, channels), checked."""
+    coefficients = _validate.finite(light, "light").astype(np.float64)
+    if coefficients.ndim not in (1, 2):
+        expected = "expected coefficients of shape (k,) or (k, channels)"
+        raise HarmonicFaceError(f"light: {expected}, got {_validate.describe(coefficients)}")
+    order_of(len(coefficients))
+    return coefficients
+
+
+def _turned(rows: Reals, angles: Reals) -> Reals:
+    """Return the (2l + 1, points, channels) coefficients of a function of Rz(angle) w."""
+    modes = np.arange(-(len(rows) // 2), len(rows) // 2 + 1)
+    angle = (modes[:, None] * angles)[..., None]
+    return np.asarray(np.cos(angle) * rows + np.sin(angle) * rows[::-1])
+
+
+@lru_cache(maxsize=256)
+def _tipping(degree: int) -> Reals:
+    """Return how the real harmonics of a degree mix when z goes to y: Y(Q w) = M Y(w), by exact quadrature."""
+    at, weights = np.polynomial.legendre.leggauss(degree + 1)
+    azimuths = math.pi / (degree + 1) * np.arange(2 * degree + 2.0)
+    points = directions(at[:, None], azimuths).reshape(-1, 3)
+    weights = np.repeat(weights * math.pi / (degree + 1), len(azimuths))
+    tipped = points @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    block = slice(degree**2, None)
+    return (real_harmonics(tipped, degree)[block] * weights) @ real_harmonics(points, degree)[block].T
