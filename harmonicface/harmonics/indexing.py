@@ -69,3 +69,15 @@ def degrees(order: int) -> NDArray[np.intp]:
     """
     modes = 2 * np.arange(_validate.at_least(order, 0, "order") + 1) + 1
     return np.repeat(np.arange(len(modes)), modes)
+
+
+def modes(order: int) -> NDArray[np.intp]:
+    """Return the mode m of each stored harmonic, ((order + 1)^2,).
+
+    Examples
+    --------
+    >>> modes(2)
+    array([ 0, -1,  0,  1, -2, -1,  0,  1,  2])
+    """
+    degree = degrees(order)
+    return np.asarray(np.arange(len(degree)) - degree * (degree + 1))
