@@ -26,9 +26,9 @@ def read_image(path: str | os.PathLike[str], transfer: str | None = None) -> NDA
     Parameters
     ----------
     path
-        PNG (8 or 16 bit, palette), JPEG, PGM, PPM, TIFF (8 or 16 bit, float), Radiance HDR or NPY (8- or 16-bit
-        integers or floats, never pickled). EXIF orientation is applied. An alpha channel is left out: the colours
-        are those stored.
+        PNG (8 or 16 bit, palette), JPEG, PGM, PPM, TIFF (8 or 16 bit, float), Radiance HDR, OpenEXR, PFM (divided
+        by the scale in its header) or NPY (8- or 16-bit integers or floats, never pickled). EXIF orientation is
+        applied. An alpha channel is left out: the colours are those stored.
     transfer
         "srgb" or "linear": what the stored values mean. By default srgb for 8-bit PNG, JPEG and TIFF, and linear for
         PGM, PPM, NPY and whatever has 16 bits or floats.

@@ -17,8 +17,9 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.io.exr import exr_pixels
 
-ENDINGS = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".hdr", ".npy")
+ENDINGS = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".hdr", ".pfm", ".exr", ".npy")
 PNG_END = b"IEND\xaeB`\x82"  # the name of the last chunk and its checksum
 PILLOW_FORMATS = ("PNG", "JPEG", "PPM", "TIFF")
 EIGHT_BIT_MODES = {"1": "1", "L": "L", "LA": "L", "P": "RGB", "PA": "RGB", "RGB": "RGB", "RGBA": "RGB", "RGBX": "RGB"}
@@ -49,7 +50,7 @@ def read_pixels(path: str | os.PathLike[str]) -> Pixels:
     Parameters
     ----------
     path
-        PNG, JPEG, PGM, PPM, TIFF, Radiance HDR or NPY.
+        PNG, JPEG, PGM, PPM, TIFF, Radiance HDR, PFM, OpenEXR or NPY.
 
     Raises
     ------
@@ -90,8 +91,10 @@ def pillow_pixels(picture: Image.Image) -> NDArray[Any]:
 def _decode(data: bytes, ending: str) -> Pixels:
     if ending == ".npy":
         values, transfer = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False), ""
-    elif ending == ".hdr":
+    elif ending in (".hdr", ".pfm"):
         values, transfer = _opencv(data), "linear"
+    elif ending == ".exr":
+        values, transfer = exr_pixels(data), "linear"
     else:
         values, transfer = _picture(data)
     if values.dtype not in STORED_TYPES:

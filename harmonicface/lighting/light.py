@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +14,8 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.harmonics.indexing import count, order_of
+from harmonicface.harmonics.indexing import count, index, order_of
+from harmonicface.harmonics.rotation import rotate
 from harmonicface.reflectance.filters import lambertian_weights
 
 
@@ -50,6 +53,21 @@ class Light(ABC):
     @abstractmethod
     def coefficients(self, order: int = 2) -> Floats:
         r"""Return L_lm = \int L(w) Y_lm(w) dw, ((order + 1)^2,), or (..., 3) for coloured light."""
+
+    @abstractmethod
+    def rotated(self, rotation: Any) -> Light:
+        """Return the whole light turned: what came from w comes from R w, and E'(R n) = E(n).
+
+        Parameters
+        ----------
+        rotation
+            One scipy `Rotation`, or a 3 x 3 rotation matrix R.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Something that is no rotation.
+        """
 
     @abstractmethod
     def __mul__(self, factor: float) -> Light: ...
@@ -112,8 +130,78 @@ class HarmonicLight(Light):
         result[:shared] = self.values[:shared]
         return result
 
+    def rotated(self, rotation: Any) -> HarmonicLight:
+        return HarmonicLight(rotate(self.values, rotation))
+
+    def with_coefficient(self, degree: int, mode: int, value: ArrayLike) -> HarmonicLight:
+        """Return the light with another L_lm; a degree above its order extends it.
+
+        L_1-1 is how much brighter it is above than below: below zero it lights a face from below (Ramamoorthi &
+        Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001, section 3.3).
+
+        Parameters
+        ----------
+        degree, mode
+            l and m, from -l to l.
+        value
+            One number, or three for coloured light.
+
+        Raises
+        ------
+        HarmonicFaceError
+            No such mode, a value that is not finite, three values for grey light.
+
+        Examples
+        --------
+        >>> HarmonicLight([1.0, 0.4, 0.0, 0.0]).with_coefficient(1, -1, -0.4).values
+        array([ 1. , -0.4,  0. ,  0. ])
+        """
+        place = index(degree, mode)
+        values = self.coefficients(max(self.order, degree)).copy()
+        values[place] = self._a_colour(value, "value")
+        return HarmonicLight(values)
+
+    def with_linear_term(self, direction: ArrayLike, strength: ArrayLike) -> HarmonicLight:
+        r"""Return the light with radiance s d.w added: brighter toward d, darker away from it.
+
+        Its harmonics are sqrt(4 pi / 3) s (d_y, d_z, d_x), and it adds 2 pi / 3 s d.n to the irradiance: E of a
+        surface that faces d grows by 2.09 s. "Light it from below" is `light.with_linear_term([0, -1, 0], s)`.
+
+        Parameters
+        ----------
+        direction
+            (3,) d, of any length above 0.
+        strength
+            The radiance s added toward d, one number or three for coloured light.
+
+        Raises
+        ------
+        HarmonicFaceError
+            A direction of zero length, a strength that is not finite, three strengths for grey light.
+
+        Examples
+        --------
+        >>> HarmonicLight([1.0]).with_linear_term([0, -1, 0], 0.5).values.round(4) + 0.0
+        array([ 1.    , -1.0233,  0.    ,  0.    ])
+        """
+        towards = _validate.directions(direction, "direction")
+        if towards.shape != (3,):
+            raise HarmonicFaceError(f"direction: expected one of shape (3,), got {towards.shape}")
+        colours = self._a_colour(strength, "strength")
+        values = self.coefficients(max(self.order, 1)).copy()
+        values[1:4] += math.sqrt(4 * math.pi / 3) * np.multiply.outer(towards[[1, 2, 0]], colours)
+        return HarmonicLight(values)
+
     def __mul__(self, factor: float) -> HarmonicLight:
         return HarmonicLight(self.values * factor)
+
+    def _a_colour(self, value: ArrayLike, name: str) -> Floats:
+        """Return one number for grey light, three for coloured; one number is the same for all colours."""
+        number, shape = _validate.finite(value, name), self.values.shape[1:]
+        if number.shape not in ((), shape):
+            expected = "one number" if shape == () else "one number or three"
+            raise HarmonicFaceError(f"{name}: expected {expected}, got {_validate.describe(number)}")
+        return np.broadcast_to(number, shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +228,9 @@ class SumOfLights(Light):
             for part, term in zip(self.parts, terms, strict=True)
         ]
         return np.asarray(sum(spread[1:], start=spread[0]))
+
+    def rotated(self, rotation: Any) -> SumOfLights:
+        return SumOfLights(tuple(part.rotated(rotation) for part in self.parts))
 
     def __mul__(self, factor: float) -> SumOfLights:
         return SumOfLights(tuple(part * factor for part in self.parts))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count
 from harmonicface.lighting._clamped_cosine import sum_clamped_cosine
+from harmonicface.lighting._rotation import rotation_matrix
 from harmonicface.lighting.light import Light
 
 
@@ -66,6 +68,9 @@ class DirectionalLights(Light):
         harmonics = real_harmonics(self.directions.astype(np.float64), order)
         return np.asarray(harmonics @ self.strengths.astype(np.float64))
 
+    def rotated(self, rotation: Any) -> DirectionalLights:
+        return DirectionalLights(self.directions @ rotation_matrix(rotation).T, self.strengths)
+
     def __mul__(self, factor: float) -> DirectionalLights:
         return DirectionalLights(self.directions, self.strengths * factor)
 
@@ -112,6 +117,10 @@ class AmbientLight(Light):
         result = np.zeros((count(order), *self.strength.shape))
         result[0] = self.strength / np.pi * np.sqrt(4 * np.pi)  # radiance times the integral of Y_00
         return result
+
+    def rotated(self, rotation: Any) -> AmbientLight:
+        rotation_matrix(rotation)
+        return self
 
     def __mul__(self, factor: float) -> AmbientLight:
         return AmbientLight(self.strength * factor)
