@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.harmonics.indexing import count, order_of
+from harmonicface.harmonics.indexing import count, degrees, modes, order_of
 from harmonicface.reflectance._brdf_quadrature import Complexes, Reals, to_real_rows
 from harmonicface.reflectance.local_light import local_light, real_light
 
@@ -134,6 +134,58 @@ def evaluate(
     else:
         result = _sum_of_products(seen, kernels, shape)
     return result.reshape((*shape, *coefficients.shape[1:]))
+
+
+def evaluate_at_angle(light: ArrayLike, kernel: ArrayLike, normals: ArrayLike, azimuths: ArrayLike) -> Reals:
+    r"""Evaluate the reflected light at one outgoing angle, with no series in that angle cut off.
+
+    .. math:: B = \sum_{lmq} L_{lm}\, \rho_{lq}(\theta_o)\, \frac{1}{\sqrt{2\pi}} D^l_{mq}(\alpha, \beta) e^{iq\phi_o}
+
+    (Ramamoorthi & Hanrahan 2004, equations 50 and 51).
+
+    Parameters
+    ----------
+    light
+        See `evaluate`.
+    kernel
+        (order + 1, order + 1) from `brdf_coefficients.coefficients_at_angle`.
+    normals
+        (..., 3) unit vectors.
+    azimuths
+        phi_o in radians, in the frame of `tangent_frames`; broadcasts with the normals' (...).
+
+    Returns
+    -------
+    array
+        (...) or (..., channels).
+
+    Raises
+    ------
+    HarmonicFaceError
+        Coefficients of another shape, azimuths that are not finite.
+
+    Examples
+    --------
+    >>> from harmonicface.reflectance.brdf import Lambertian
+    >>> from harmonicface.reflectance.brdf_coefficients import coefficients_at_angle
+    >>> kernel = coefficients_at_angle(Lambertian(), order=2, outgoing_angle=np.pi / 3)
+    >>> float(evaluate_at_angle([np.sqrt(4 * np.pi)], kernel, [0.0, 0.0, 1.0], 0.0).round(6))   # radiance 1
+    0.5
+    """
+    coefficients, table = real_light(light), _validate.finite(kernel, "kernel")
+    if table.ndim != 2 or table.shape[0] != table.shape[1] or table.size == 0:
+        raise HarmonicFaceError(
+            f"kernel: expected coefficients of shape (l + 1, l + 1), got {_validate.describe(table)}"
+        )
+    angle = _validate.finite(azimuths, "azimuths")
+    order = min(order_of(len(coefficients)), len(table) - 1)
+    seen = local_light(coefficients[: count(order)].reshape(count(order), -1), normals)
+    mode = modes(order)
+    column = mode.reshape(-1, *[1] * angle.ndim)
+    waves = np.where(column < 0, np.sin(-column * angle), np.cos(column * angle)) * np.where(column, np.sqrt(2), 1)
+    weights = table[degrees(order), np.abs(mode)].reshape(column.shape) / np.sqrt(2 * np.pi)
+    shape = np.broadcast_shapes(seen.shape[1:-1], angle.shape)
+    return _sum_of_products(seen, weights * waves, shape).reshape((*shape, *coefficients.shape[1:]))
 
 
 def brdf_array(brdf: ArrayLike) -> Complexes | Reals:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
@@ -10,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics._memory import require
 from harmonicface.harmonics.indexing import order_of
-from harmonicface.reflectance._brdf_quadrature import Reals, directions
+from harmonicface.harmonics.rotation import rotation_blocks
+from harmonicface.reflectance._brdf_quadrature import Reals
 
 
 def tangent_frames(normals: ArrayLike, gamma: ArrayLike = 0.0) -> Reals:
@@ -90,14 +90,24 @@ def local_light(light: ArrayLike, normals: ArrayLike, gamma: ArrayLike = 0.0) ->
         _validate.finite(gamma, "gamma"), np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)
     )
     columns = coefficients.reshape(len(coefficients), 1, -1)
+    order = order_of(len(columns))
+    require(8 * len(columns) * turn.size * columns.shape[2], f"light of order {order} at {turn.size} normals")
     result = np.empty((len(columns), turn.size, columns.shape[2]))
-    for degree in range(order_of(len(columns)) + 1):
+    for degree in range(order + 1):
         rows = slice(degree**2, (degree + 1) ** 2)
-        tipped = _tipping(degree)
-        seen = _turned(columns[rows], beta.ravel())
-        seen = _turned(np.tensordot(tipped, seen, (0, 0)), alpha.ravel())
-        result[rows] = _turned(np.tensordot(tipped, seen, (1, 0)), turn.ravel())
-    return result.reshape(len(columns), *turn.shape, *coefficients.shape[1:])
+        result[rows] = degree_in_frames(columns[rows], alpha.ravel(), beta.ravel(), turn.ravel(), order)
+    return result.reshape((len(columns), *turn.shape, *coefficients.shape[1:]))
+
+
+def degree_in_frames(columns: Reals, alpha: Reals, beta: Reals, gamma: Reals, order: int) -> Reals:
+    """Turn the coefficients of one degree, (2l + 1, 1, channels), into n frames: (2l + 1, n, channels).
+
+    A turn about y is one about z between two tippings of the z axis, so that a frame costs two products with the same
+    matrix whatever its angles.
+    """
+    tipped = _tipping(order)[len(columns) // 2]
+    seen = np.tensordot(tipped, _turned(columns, beta), (0, 0))
+    return _turned(np.tensordot(tipped, _turned(seen, alpha), (1, 0)), gamma)
 
 
 def real_light(light: ArrayLike) -> Reals:
@@ -117,13 +127,7 @@ def _turned(rows: Reals, angles: Reals) -> Reals:
     return np.asarray(np.cos(angle) * rows + np.sin(angle) * rows[::-1])
 
 
-@lru_cache(maxsize=256)
-def _tipping(degree: int) -> Reals:
-    """Return how the real harmonics of a degree mix when z goes to y: Y(Q w) = M Y(w), by exact quadrature."""
-    at, weights = np.polynomial.legendre.leggauss(degree + 1)
-    azimuths = math.pi / (degree + 1) * np.arange(2 * degree + 2.0)
-    points = directions(at[:, None], azimuths).reshape(-1, 3)
-    weights = np.repeat(weights * math.pi / (degree + 1), len(azimuths))
-    tipped = points @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-    block = slice(degree**2, None)
-    return (real_harmonics(tipped, degree)[block] * weights) @ real_harmonics(points, degree)[block].T
+@lru_cache(maxsize=4)
+def _tipping(order: int) -> list[Reals]:
+    """Return how the real harmonics of each degree mix when z goes to y: Y(Q w) = M Y(w)."""
+    return rotation_blocks(np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]), order)
