@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harmonicface as hf
+from harmonicface.gallery.gallery import _ratio
 
 SIZE = 24
 NAMES = ("ada", "emmy", "sofia", "grace", "mary", "hedy", "lise", "vera")
@@ -396,3 +397,11 @@ def test_a_refused_setting_leaves_the_old_one() -> None:
     with pytest.raises(hf.HarmonicFaceError, match="margin"):
         gallery.margin = 0.5
     assert (gallery.threshold, gallery.margin) == (0.3, 1.5)
+
+
+def test_one_pixel_tells_nobody_from_another() -> None:
+    pixel = np.zeros((SIZE, SIZE), np.bool_)
+    pixel[12, 12] = True
+    answer = gallery_of(PEOPLE, mask=pixel, threshold=0, margin=1.01).match(GOOD)
+    assert (answer.distance, answer.margin, answer.name) == (0.0, 1.0, "ada")
+    assert _ratio(0.3, 0.0) == np.inf
