@@ -30,6 +30,14 @@ def at_least_zero(value: float, name: str) -> float:
     return float(value)
 
 
+def roughness_of(value: float) -> float:
+    """Return a roughness in radians, within what floats can square."""
+    width = _validate.positive(value, "roughness")
+    if not 1e-100 <= width <= 100:
+        raise HarmonicFaceError(f"roughness: expected radians from 1e-100 to 100, got {width}")
+    return width
+
+
 def filter_values(values: ArrayLike, name: str = "filter") -> Floats:
     """Return one finite number a degree, (order + 1,)."""
     array = _validate.finite(values, name)

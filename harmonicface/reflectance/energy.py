@@ -126,7 +126,7 @@ def worst_pixel_error(filter_: ArrayLike, lobe: Callable[[Floats], Floats]) -> f
     Raises
     ------
     HarmonicFaceError
-        A filter that is not one finite number a degree.
+        A filter that is not one finite number a degree, a lobe that is not finite or not vectorized.
 
     Examples
     --------
@@ -138,7 +138,10 @@ def worst_pixel_error(filter_: ArrayLike, lobe: Callable[[Floats], Floats]) -> f
 
     def error(angle: Floats) -> Floats:
         cosine = np.cos(angle)
-        return np.asarray(np.abs(np.polynomial.legendre.legval(cosine, series) - lobe(cosine)))
+        exact = _validate.finite(lobe(cosine), "lobe")
+        if exact.shape != cosine.shape:
+            raise HarmonicFaceError(f"lobe: expected values of shape {cosine.shape}, got {_validate.describe(exact)}")
+        return np.asarray(np.abs(np.polynomial.legendre.legval(cosine, series) - exact))
 
     worst = 0.0
     for start in (0.0, math.pi / 2):

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.reflectance.flatland import FULL, series
+from harmonicface.reflectance.flatland_series import FULL, series
 
 Masked = np.ma.MaskedArray[Any, np.dtype[Any]]
 NOTHING = 1e-12  # of the largest coefficient: what rounding leaves of an exact zero

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.special import poch, wofz
 
 from harmonicface import _validate
-from harmonicface.reflectance._arguments import at_least_zero, filter_order
-from harmonicface.reflectance.flatland import Complexes, fourier_basis
+from harmonicface.reflectance._arguments import at_least_zero, filter_order, roughness_of
+from harmonicface.reflectance.flatland_series import Complexes, fourier_basis
 
 
 def flat_directional(angle: float, order: int) -> Complexes:
@@ -163,7 +163,7 @@ def flat_microfacet(roughness: float, order: int) -> NDArray[np.float64]:
     >>> flat_microfacet(0.1, 10)[[10, 11, 20]].round(4)
     array([1.    , 0.99  , 0.3679])
     """
-    width = _validate.positive(roughness, "roughness")
+    width = roughness_of(roughness)
     degree = np.arange(filter_order(order) + 1.0)
     end, wave = math.pi / (4 * width), width * degree
     # erf by the scaled function, so that no huge number meets a tiny one; its phase 2 end wave is l pi / 2

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.reflectance._arguments import filter_order
+from harmonicface.reflectance._arguments import filter_order, roughness_of
 from harmonicface.reflectance.phong import Gaussian
 
 NODES = 32  # of Gauss and Legendre in each panel
@@ -31,7 +31,7 @@ def microfacet_lobe(cosines: ArrayLike, roughness: float) -> Floats:
     cosines
         (...) cosines of the angle theta between the light and the normal (the mirror direction), from -1 to 1.
     roughness
-        sigma, in radians, above 0.
+        sigma, in radians, above 0 and at most 100.
 
     Returns
     -------
@@ -41,14 +41,14 @@ def microfacet_lobe(cosines: ArrayLike, roughness: float) -> Floats:
     Raises
     ------
     HarmonicFaceError
-        A roughness that is not above 0, cosines that are not finite.
+        A roughness that is not between 1e-100 and 100, cosines that are not finite.
 
     Examples
     --------
     >>> microfacet_lobe([1.0, 0.5, -0.5], 0.3).round(4)
     array([0.8842, 0.042 , 0.    ])
     """
-    width = _validate.positive(roughness, "roughness")
+    width = roughness_of(roughness)
     values = _validate.finite(cosines, "cosines")
     angles = np.arccos(np.clip(values, 0, 1))
     return np.asarray(np.where(values > 0, _lobe(angles, width), 0))
@@ -65,7 +65,7 @@ def microfacet_filter(roughness: float, order: int) -> NDArray[np.float64]:
     Parameters
     ----------
     roughness
-        sigma, in radians, above 0.
+        sigma, in radians, above 0 and at most 100.
     order
         The highest degree l, at least 0.
 
@@ -77,14 +77,14 @@ def microfacet_filter(roughness: float, order: int) -> NDArray[np.float64]:
     Raises
     ------
     HarmonicFaceError
-        A roughness that is not above 0, a negative order.
+        A roughness that is not between 1e-100 and 100, a negative order.
 
     Examples
     --------
     >>> microfacet_filter(0.3, 3).round(3)
     array([0.941, 0.791, 0.558, 0.331])
     """
-    width = _validate.positive(roughness, "roughness")
+    width = roughness_of(roughness)
     angles, weights = _panels(width, filter_order(order))
     return _legendre_sums(angles, 2 * math.pi * weights * np.sin(angles) * _lobe(angles, width), order)
 
@@ -95,14 +95,14 @@ def microfacet_sensitivity(roughness: float, order: int) -> NDArray[np.float64]:
     Raises
     ------
     HarmonicFaceError
-        A roughness that is not above 0, a negative order.
+        A roughness that is not between 1e-100 and 100, a negative order.
 
     Examples
     --------
     >>> microfacet_sensitivity(0.1, 2).round(3)
     array([-0.132, -0.517, -1.24 ])
     """
-    width = _validate.positive(roughness, "roughness")
+    width = roughness_of(roughness)
     angles, weights = _panels(width, filter_order(order))
     slope = _lobe(angles, width) * ((angles / width) ** 2 / 2 - 2) / width
     return _legendre_sums(angles, 2 * math.pi * weights * np.sin(angles) * slope, order)
@@ -126,14 +126,14 @@ def microfacet_gaussian(roughness: float, order: int, form: Gaussian = "matched"
     Raises
     ------
     HarmonicFaceError
-        A roughness that is not above 0, a negative order, an unknown form.
+        A roughness that is not between 1e-100 and 100, a negative order, an unknown form.
 
     Examples
     --------
     >>> [float(microfacet_gaussian(0.3, 1, form)[1].round(3)) for form in ("paper", "linear", "matched")]
     [0.914, 0.835, 0.791]
     """
-    width = _validate.positive(roughness, "roughness")
+    width = roughness_of(roughness)
     degree = np.arange(filter_order(order) + 1.0)
     if form == "paper":
         return np.exp(-((width * degree) ** 2))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics.quadrature import sphere_grid
 from harmonicface.reflectance._arguments import numbers
 
 LARGEST_GRID = 4096  # directions of a square kernel: 128 megabytes, and half a minute for its singular values
@@ -119,7 +120,7 @@ def sphere_kernel_rank(
     kernel
         K(s, t) of directions (rows, 1, 3) and (1, columns, 3), vectorized: (rows, columns).
     order
-        The highest degree of the kernel in either direction; 2 (order + 1)^2 directions are taken.
+        The highest degree of the kernel in either direction; (order + 1) (2 order + 1) directions are taken.
     tolerance
         What counts as nothing, as a fraction of the largest singular value.
 
@@ -134,19 +135,11 @@ def sphere_kernel_rank(
     >>> cosine.rank, cosine.singular_values[:3].round(4)
     (3, array([4.1888, 4.1888, 4.1888]))
     """
-    rows = _validate.at_least(order, 0, "order") + 1
-    if 2 * rows**2 > LARGEST_GRID:
-        raise HarmonicFaceError(
-            f"order: expected at most {math.isqrt(LARGEST_GRID // 2) - 1} (a grid of {LARGEST_GRID} directions), "
-            f"got {order}"
-        )
-    heights, weights = np.polynomial.legendre.leggauss(rows)
-    azimuths = math.pi * np.arange(2 * rows) / rows
-    across = np.sqrt(1 - heights**2)[:, None]
-    directions = np.stack(
-        np.broadcast_arrays(across * np.cos(azimuths), across * np.sin(azimuths), heights[:, None]), axis=-1
-    ).reshape(-1, 3)
-    shares = np.repeat(weights * math.pi / rows, 2 * rows)
+    size = (_validate.at_least(order, 0, "order") + 1) * (2 * order + 1)
+    if size > LARGEST_GRID:
+        raise HarmonicFaceError(f"order: expected a grid of at most {LARGEST_GRID} directions, got {size} at {order}")
+    grid = sphere_grid(order)
+    directions, shares = grid.directions, grid.weights
     values = np.asarray(kernel(directions[:, None], directions[None]))
     if values.shape != (len(directions), len(directions)):
         expected = (len(directions), len(directions))

@@ -96,3 +96,7 @@ def test_errors() -> None:
         worst_pixel_error([np.nan], np.abs)
     with pytest.raises(HarmonicFaceError, match="shininess: expected a finite number of at least 0"):
         phong_energy(-1)
+    with pytest.raises(HarmonicFaceError, match="lobe: expected finite numbers"):
+        worst_pixel_error([1.0], lambda cosine: cosine * np.nan)
+    with pytest.raises(HarmonicFaceError, match="lobe: expected values of shape"):
+        worst_pixel_error([1.0], lambda cosine: 1.0)

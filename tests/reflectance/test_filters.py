@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
-from scipy.special import eval_legendre
+from scipy.special import eval_legendre, gammaln
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import degrees
@@ -49,6 +49,26 @@ def test_the_series_is_the_clamped_cosine() -> None:
     assert_allclose(np.sum(terms, axis=0), np.maximum(cosines, 0), rtol=0, atol=2e-3)
 
 
+def test_order_one_thousand_by_the_closed_form() -> None:
+    # 2 pi (-1)^(l/2 - 1) / ((l + 2) (l - 1)) l! / (2^l (l/2)!^2), the factorials by their logarithms
+    degree = np.arange(2, 1001, 2)
+    bracket = np.exp(gammaln(degree + 1) - degree * np.log(2) - 2 * gammaln(degree / 2 + 1))
+    closed = 2 * np.pi * (-1.0) ** (degree // 2 - 1) / ((degree + 2) * (degree - 1)) * bracket
+    assert_allclose(lambertian_filter(1000)[2::2], closed, rtol=1e-11, atol=0)
+
+
+def test_the_tail_falls_with_its_constant() -> None:
+    degree = np.arange(2, 100_001, 2)
+    scaled = lambertian_filter(100_000)[2::2] * degree**2.5 * (-1.0) ** (degree // 2 - 1)
+    assert_allclose(scaled[-1], 2 * np.sqrt(2 * np.pi), rtol=3e-5)
+    rates = np.diff(np.log(np.abs(scaled[[499, 4999, 49999]])))
+    assert np.abs(rates).max() < 1e-3 * np.log(10)  # no power of l is left
+
+
+def test_the_fourth_degree_is_four_percent_of_the_first() -> None:
+    assert_allclose(abs(lambertian_filter(4)[4] / lambertian_filter(4)[0]), 1 / 24, rtol=1e-15)
+
+
 @pytest.mark.parametrize("order", range(6))
 def test_a_weight_for_each_harmonic_and_the_same_filter_at_any_order(order: int) -> None:
     assert_array_equal(lambertian_filter(order), lambertian_filter(20)[: order + 1])
@@ -59,3 +79,8 @@ def test_a_weight_for_each_harmonic_and_the_same_filter_at_any_order(order: int)
 def test_no_order(function) -> None:
     with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0, got int -1"):
         function(-1)
+
+
+def test_no_order_beyond_reason() -> None:
+    with pytest.raises(HarmonicFaceError, match="order: expected at most 1000000, got 1000000000000"):
+        lambertian_filter(10**12)

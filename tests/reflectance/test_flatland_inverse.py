@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.reflectance.flatland import circle_angles, fourier_coefficients, reflect_flat, transfer_coefficients
+from harmonicface.reflectance.flatland import reflect_flat, transfer_coefficients
 from harmonicface.reflectance.flatland_inverse import factorize_flat, flat_light, flat_transfer
 from harmonicface.reflectance.flatland_materials import flat_directional, flat_lambertian, flat_uniform
+from harmonicface.reflectance.flatland_series import circle_angles, fourier_coefficients
 
 ROOT = np.sqrt(2 * np.pi)
 

@@ -9,7 +9,6 @@ from scipy.integrate import quad
 from scipy.special import gamma
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.reflectance.flatland import circle_angles, fourier_coefficients, fourier_series
 from harmonicface.reflectance.flatland_materials import (
     flat_directional,
     flat_lambertian,
@@ -19,6 +18,7 @@ from harmonicface.reflectance.flatland_materials import (
     flat_phong_gaussian,
     flat_uniform,
 )
+from harmonicface.reflectance.flatland_series import circle_angles, fourier_coefficients, fourier_series
 from harmonicface.reflectance.rank import kernel_rank
 
 DEGREES = [0, 1, 2, 3, 4, 9, 20]

@@ -40,6 +40,13 @@ def test_a_tiny_lobe_is_a_gaussian_of_the_plane_to_machine_precision() -> None:
     assert_allclose(values, np.exp(-1e-14 * np.arange(1001) * np.arange(1, 1002)), rtol=0, atol=2e-14)
 
 
+def test_finite_at_the_ends_of_the_range() -> None:
+    assert_allclose(microfacet_filter(1e-100, 100), 1, rtol=0, atol=1e-13)
+    flat = microfacet_filter(100, 4)
+    assert_allclose(flat / flat[0], [1, 1 / 2, 0, -1 / 8, 0], rtol=0, atol=1e-4)  # a half sphere's, s = 0
+    assert np.isfinite(microfacet_gaussian(100, 10)).all()
+
+
 def test_the_readmes_example() -> None:
     assert round(microfacet_filter(0.3, 1)[1], 3) == 0.791
     values = [round(microfacet_gaussian(0.3, 1, form)[1], 3) for form in ("paper", "linear", "matched")]
@@ -89,6 +96,9 @@ def test_no_roughness(function, value: float) -> None:
 
 
 def test_other_bad_input() -> None:
+    for value in (1e-200, 1e200):
+        with pytest.raises(HarmonicFaceError, match="roughness: expected radians from 1e-100 to 100, got"):
+            microfacet_filter(value, 3)
     with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0, got int -1"):
         microfacet_filter(0.3, -1)
     with pytest.raises(HarmonicFaceError, match="form: expected paper, linear or matched, got str 'best'"):

@@ -112,7 +112,7 @@ def test_errors() -> None:
         kernel_rank(np.eye(2), column_weights=[1.0, -1.0])
     with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0"):
         sphere_kernel_rank(cosines, -1)
-    with pytest.raises(HarmonicFaceError, match=r"order: expected at most 44 \(a grid of 4096 directions\), got 45"):
+    with pytest.raises(HarmonicFaceError, match="order: expected a grid of at most 4096 directions, got 4186 at 45"):
         sphere_kernel_rank(cosines, 45)
-    with pytest.raises(HarmonicFaceError, match=r"kernel: expected values of shape \(8, 8\)"):
+    with pytest.raises(HarmonicFaceError, match=r"kernel: expected values of shape \(6, 6\)"):
         sphere_kernel_rank(lambda s, t: np.ones(3), 1)
