@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, NoReturn, cast
 
 import numpy as np
 import typer
@@ -30,8 +30,14 @@ from harmonicface.gallery.match import Match
 from harmonicface.io.images import read_image, write_image
 from harmonicface.io.meshes import ENDINGS as MESH_ENDINGS
 from harmonicface.io.pictures import signed_colours
+from harmonicface.lighting.environment import EnvironmentMap
+from harmonicface.lighting.layouts import LAYOUTS
 from harmonicface.surfaces.load import load_surface
 from harmonicface.surfaces.surface import Surface
+
+USAGE_ERROR: type[Exception] = typer.BadParameter.__mro__[
+    1
+]  # what typer raises for a wrong option; it has no public name
 
 app = typer.Typer(
     help="Recognize faces under any lighting with harmonic subspaces.",
@@ -154,6 +160,37 @@ def images(
     typer.echo(f"{len(pictures)} pictures and surface.npz are in {out}")
 
 
+@app.command()
+def light(
+    map_: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MAP", help="HDR, EXR, PFM, TIFF, NPY, PNG, JPEG; of a cube also its folder.", show_default=False
+        ),
+    ],
+    layout: Annotated[str, typer.Option(help=f"One of {', '.join(LAYOUTS)}.")] = "latlong",
+    order: Annotated[int, typer.Option(help="Highest degree: 2 gives nine coefficients a colour.")] = 2,
+    as_json: AsJson = False,
+) -> None:
+    """Print the harmonic coefficients of an environment map, red, green, blue."""
+    environment = EnvironmentMap.load(map_, layout=layout)
+    found = environment.coefficients(order)
+    colours = np.broadcast_to(found.reshape(len(found), -1), (len(found), 3))  # grey is the same in all colours
+    if as_json:
+        typer.echo(json.dumps({"order": order, "coefficients": colours.tolist()}))
+        return
+    rows = [
+        [
+            f"{degree}",
+            f"{mode:+d}" if mode else "0",
+            *(f"{value:.5g}" for value in colours[degree * (degree + 1) + mode]),
+        ]
+        for degree in range(order + 1)
+        for mode in range(-degree, degree + 1)
+    ]
+    _print_table(f"{map_} ({layout})", ["l", "m", "red", "green", "blue"], rows)
+
+
 @evaluate.command("yale-b")
 def evaluate_yale(
     folder: Annotated[Path, typer.Argument(help="Folder of yaleB01, yaleB02, ...", show_default=False)],
@@ -175,10 +212,18 @@ def evaluate_yale(
 def main() -> None:
     """Run the command line; bad input ends in one line on standard error and exit code 2."""
     try:
-        app()
+        sys.exit(app(standalone_mode=False))
     except HarmonicFaceError as error:
-        print(f"harmonicface: {' '.join(str(error).split())}", file=sys.stderr)
-        sys.exit(2)
+        _refuse(str(error))
+    except USAGE_ERROR as error:
+        _refuse(cast(Any, error).format_message())
+    except (typer.Abort, KeyboardInterrupt):
+        sys.exit(130)
+
+
+def _refuse(reason: str) -> NoReturn:
+    print(f"harmonicface: {' '.join(reason.split())}", file=sys.stderr)
+    sys.exit(2)
 
 
 def _surface(

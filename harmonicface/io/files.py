@@ -28,7 +28,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     HarmonicFaceError
-        The folder does not exist or cannot be written to.
+        The folder does not exist or cannot be written to, or the disk is full.
     """
     target = Path(path)
     try:
@@ -40,6 +40,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     try:
         yield temporary
         _publish(temporary, target)
+    except OSError as error:
+        raise HarmonicFaceError(f"cannot write {target}: {error.strerror or error}") from None
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -51,10 +53,7 @@ def _publish(temporary: Path, target: Path) -> None:
     temporary.chmod(0o666 & ~umask)  # mkstemp makes files that only their owner can read
     with temporary.open("rb+") as stream:
         os.fsync(stream.fileno())
-    try:
-        temporary.replace(target)
-    except OSError as error:
-        raise HarmonicFaceError(f"cannot write {target}: {error.strerror}") from None
+    temporary.replace(target)
     if hasattr(os, "O_DIRECTORY"):
         folder = os.open(target.parent, os.O_RDONLY | os.O_DIRECTORY)
         try:
