@@ -81,7 +81,7 @@ def _fill_mode(out: Floats, z: Floats, cosine: Floats, sine: Floats, mode: int, 
     current: Floats = np.full_like(z, _sectoral(mode))
     for degree in range(mode, order + 1):
         if degree > mode:
-            step, back = _recursion(degree, mode)
+            step, back = recursion(degree, mode)
             following = step * z * current
             if below is not None:
                 following -= step * back * below
@@ -100,7 +100,7 @@ def _sectoral(mode: int) -> float:
     return math.sqrt(squared * (2 if mode else 1))
 
 
-def _recursion(degree: int, mode: int) -> tuple[float, float]:
+def recursion(degree: int, mode: int) -> tuple[float, float]:
     """Return a and b of P_l = a (z P_(l-1) - b P_(l-2)) for normalized associated Legendre functions."""
     step = math.sqrt((4 * degree**2 - 1) / (degree**2 - mode**2))
     back = math.sqrt(((degree - 1) ** 2 - mode**2) / (4 * (degree - 1) ** 2 - 1))

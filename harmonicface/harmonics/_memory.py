@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -50,7 +51,7 @@ def require(needed: int, what: str) -> None:
         )
 
 
-def empty(shape: tuple[int, ...], dtype: DTypeLike, what: str) -> NDArray[np.floating]:
+def empty(shape: tuple[int, ...], dtype: DTypeLike, what: str) -> NDArray[Any]:
     """Make an array without values, or say in one line what it would have needed.
 
     Raises

@@ -28,8 +28,7 @@ def wigner_d(degree: int, alpha: ArrayLike) -> Floats64:
     a quarter turn, d(alpha) = diag(i^m) d(pi/2) diag(e^(im alpha)) d(pi/2)^T diag(i^-m'), whose entries follow
     from a three-term recursion in m that runs downward, the stable way (Trapani & Navaza, Calculation of spherical
     harmonics and Wigner d functions by FFT, 2006). Orthogonal to 1e-14 at degree 64, to 1e-13 at 200, for any
-    angle. The factorials of the paper's equation 29 overflow and cancel; as printed it also lacks (l+m)! among
-    them.
+    angle. The derivatives and factorials of the paper's equation 29 are right, but cancel and overflow soon.
 
     Parameters
     ----------
@@ -111,8 +110,9 @@ def wigner_matrix(
         shapes = ", ".join(str(angle.shape) for angle in given)
         raise HarmonicFaceError(f"alpha, beta, gamma: expected shapes that broadcast, got {shapes}") from None
     modes = np.arange(-_degree(degree), degree + 1)
+    tilted = wigner_d(degree, tilt)
     rows, columns = np.exp(1j * modes * left[..., None]), np.exp(1j * modes * right[..., None])
-    return np.asarray(wigner_d(degree, tilt) * rows[..., :, None] * columns[..., None, :])
+    return np.asarray(tilted * rows[..., :, None] * columns[..., None, :])
 
 
 def quarter_turn(degree: int) -> Floats64:

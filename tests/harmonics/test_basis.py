@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import eval_legendre, sph_harm_y
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics import basis
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count, degrees, index
 
@@ -82,9 +83,10 @@ def test_orthonormal_over_the_sphere(order: int) -> None:
     assert_allclose((harmonics * weights) @ harmonics.T, np.eye(count(order)), rtol=0, atol=1e-12)
 
 
-def test_equal_to_scipy() -> None:
-    directions = random_directions(200, seed=1)
-    assert_allclose(real_harmonics(directions, 16), from_scipy(directions, 16), rtol=0, atol=1e-11)
+@pytest.mark.parametrize("order", [16, 64])
+def test_equal_to_scipy(order: int) -> None:
+    directions = random_directions(100, seed=1)
+    assert_allclose(real_harmonics(directions, order), from_scipy(directions, order), rtol=0, atol=1e-11)
 
 
 def test_equal_to_sphericart() -> None:
@@ -162,9 +164,58 @@ def test_a_place_that_does_not_fit(out: np.ndarray) -> None:
         real_harmonics(random_directions(5), 2, out=out)
 
 
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_the_same_whatever_the_blocks_and_threads(order: int, dtype: type, monkeypatch: pytest.MonkeyPatch) -> None:
+    directions = random_directions(5000).astype(dtype)
+    whole = real_harmonics(directions, order)
+    monkeypatch.setattr(basis, "NINE_BLOCK", 700)
+    monkeypatch.setattr(basis, "BLOCK", 700)
+    assert_array_equal(real_harmonics(directions, order), whole)
+    monkeypatch.setattr(basis, "THREADED_SIZE", 1)
+    monkeypatch.setattr(basis, "_cores", lambda: 3)
+    assert_array_equal(real_harmonics(directions, order), whole)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2, 5])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e30, 0.5, -1.002])
+@pytest.mark.parametrize("place", [0, 1234, 4999])
+def test_one_bad_vector_is_found_in_any_block(
+    order: int, bad: float, place: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(basis, "NINE_BLOCK", 1000)
+    monkeypatch.setattr(basis, "BLOCK", 1000)
+    directions = random_directions(5000).astype(np.float32)
+    directions[place] = [0, 0, bad]
+    with pytest.raises(HarmonicFaceError, match=r"directions: expected (finite numbers|unit vectors), got"):
+        real_harmonics(directions, order)
+    monkeypatch.setattr(basis, "THREADED_SIZE", 1)
+    monkeypatch.setattr(basis, "_cores", lambda: 2)
+    with pytest.raises(HarmonicFaceError, match=r"directions: expected (finite numbers|unit vectors), got"):
+        real_harmonics(directions, order)
+
+
+def test_directions_in_any_memory_order() -> None:
+    directions = random_directions(600)
+    expected = real_harmonics(directions, 2)
+    assert_array_equal(real_harmonics(np.asfortranarray(directions), 2), expected)
+    assert_array_equal(real_harmonics(directions[::-1], 2), expected[:, ::-1])
+    image = np.ascontiguousarray(directions.reshape(20, 30, 3).transpose(2, 0, 1)).transpose(1, 2, 0)
+    assert_array_equal(real_harmonics(image, 2), expected.reshape(9, 20, 30))
+
+
+def test_more_than_the_memory_holds_is_refused_at_once() -> None:
+    directions = np.broadcast_to([0.0, 0.0, 1.0], (10**9, 3))
+    expected = r"^harmonics of order 5000 at directions of shape \(1000000000,\): need 2e\+08 GB of memory, expected"
+    with pytest.raises(HarmonicFaceError, match=expected):
+        real_harmonics(directions, 5000)
+
+
 @pytest.mark.parametrize(
     ("directions", "order", "message"),
     [
+        ([[0, 0, 0]], 2, "directions: expected unit vectors, got one of length 0"),
+        (1.0, 2, "directions: expected vectors of shape"),
         ([[0, 0, 2]], 2, "directions: expected unit vectors, got one of length 2"),
         ([[0, 0, np.nan]], 2, "directions: expected finite numbers"),
         ([[0, 1]], 2, "directions: expected vectors"),

@@ -6,13 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics.indexing import count, degrees, index, order_of
+from harmonicface.harmonics.indexing import count, degrees, index, modes, order_of
 
 
 def test_harmonics_are_stored_degree_by_degree_and_mode_by_mode() -> None:
     pairs = [(degree, mode) for degree in range(6) for mode in range(-degree, degree + 1)]
     assert [index(degree, mode) for degree, mode in pairs] == list(range(count(5)))
     assert degrees(5).tolist() == [degree for degree, _ in pairs]
+    assert modes(5).tolist() == [mode for _, mode in pairs]
 
 
 @settings(deadline=None, max_examples=50)
@@ -35,7 +36,7 @@ def test_a_mode_beyond_its_degree(degree: int, mode: int) -> None:
 
 @pytest.mark.parametrize("order", [-1, 1.5, "2", True])
 def test_an_order_that_is_none(order: int) -> None:
-    for function in (count, degrees):
+    for function in (count, degrees, modes):
         with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0"):
             function(order)
     with pytest.raises(HarmonicFaceError, match="degree: expected an integer of at least 0"):
