@@ -20,6 +20,16 @@ LAMBERTIAN_ENERGY = 2 * math.pi / 3  # the integral of max(cos, 0)^2 over the sp
 def phong_energy(shininess: float) -> float:
     r"""Return the squared integral of a Phong lobe, (s + 1)^2 / (2 pi (2s + 1)).
 
+    Parameters
+    ----------
+    shininess
+        The exponent s, any real number of at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative shininess.
+
     Examples
     --------
     >>> round(phong_energy(1) * np.pi**2 / LAMBERTIAN_ENERGY, 12)
@@ -33,6 +43,16 @@ def degree_energies(filter_: ArrayLike) -> NDArray[np.float64]:
     r"""Return what each degree holds of the transfer function's squared integral, (2l + 1) f_l^2 / (4 pi).
 
     It is also what it holds of the reflection of a directional light, over all normals (Parseval).
+
+    Parameters
+    ----------
+    filter_
+        (order + 1,) numbers f_l.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A filter that is not one finite number a degree.
 
     Examples
     --------
@@ -92,7 +112,15 @@ def least_energy_captured(filter_: ArrayLike, total: float) -> NDArray[np.float6
     all of that at once, so it is a bound and not a minimum. Lambertian: 37.5, 75, 97.96, 97.96, 99.48 ... %
     (Basri & Jacobs 2003, table 1).
 
-    Parameters and errors as of `energy_captured`.
+    Parameters
+    ----------
+    filter_, total
+        As of `energy_captured`.
+
+    Raises
+    ------
+    HarmonicFaceError
+        As of `energy_captured`.
 
     Examples
     --------
@@ -159,6 +187,16 @@ def lambertian_pixel_error(order: int) -> float:
 
     1/4 at order 1, 3/32 = 9.375 % at order 2 (Ramamoorthi & Hanrahan, An Efficient Representation for Irradiance
     Environment Maps, 2001, section 3.1: "9 %"): where the light grazes the surface.
+
+    Parameters
+    ----------
+    order
+        The highest degree used, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order.
 
     Examples
     --------

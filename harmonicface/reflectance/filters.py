@@ -58,6 +58,16 @@ def lambertian_filter(order: int) -> NDArray[np.float64]:
 def lambertian_weights(order: int) -> NDArray[np.float64]:
     """Return A_l for each stored harmonic (l, m), ((order + 1)^2,).
 
+    Parameters
+    ----------
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order, or one beyond what an array should hold.
+
     Examples
     --------
     >>> lambertian_weights(1).round(4)

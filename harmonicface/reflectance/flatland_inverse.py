@@ -25,6 +25,13 @@ def flat_light(reflected: ArrayLike, transfer: ArrayLike) -> Masked:
     Ramamoorthi & Hanrahan 2004, equation 21 solved for L_l (the twin of equation 59), over all p by least squares. A
     matte surface hides the odd degrees above 1.
 
+    Parameters
+    ----------
+    reflected
+        (2 order + 1, ...) coefficients B_lp.
+    transfer
+        (2 order + 1, ...) coefficients rho_lp, of the same shape.
+
     Raises
     ------
     HarmonicFaceError
@@ -53,6 +60,13 @@ def flat_transfer(reflected: ArrayLike, light: ArrayLike) -> Masked:
 
     rho_lp = B_lp / (sqrt(2 pi) L_l): Ramamoorthi & Hanrahan 2004, equation 21 solved for rho_lp (the twin of equation
     58). One direction of light tells all of it, uniform light only l = 0.
+
+    Parameters
+    ----------
+    reflected
+        (2 order + 1, ...) coefficients B_lp.
+    light
+        (2 order + 1,) coefficients L_l.
 
     Raises
     ------

@@ -21,6 +21,18 @@ def flat_directional(angle: float, order: int) -> Complexes:
 
     The twin of Ramamoorthi & Hanrahan 2004, equation 63.
 
+    Parameters
+    ----------
+    angle
+        Where the light comes from, in radians.
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        An angle that is not finite, a negative order.
+
     Examples
     --------
     >>> np.abs(flat_directional(0.3, 1)).round(4)
@@ -33,6 +45,16 @@ def flat_uniform(order: int) -> Complexes:
     r"""Return L_l of the same light from everywhere, of total 1: only L_0 = 1 / sqrt(2 pi) is not 0.
 
     The twin of Ramamoorthi & Hanrahan 2004, equation 65.
+
+    Parameters
+    ----------
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order.
 
     Examples
     --------
@@ -52,6 +74,16 @@ def flat_lambertian(order: int) -> NDArray[np.float64]:
 
     As on the sphere the odd degrees above 1 vanish; the even ones fall as l^-2 instead of l^-5/2. Degrees up to 2 hold
     99.53 % of the energy.
+
+    Parameters
+    ----------
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order.
 
     Examples
     --------
@@ -81,6 +113,11 @@ def flat_mirror(order: int, outgoing_order: int, both_sides: bool = False) -> ND
         The highest degrees of l and p.
     both_sides
         Whether the lower half circle reflects as well.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order.
 
     Examples
     --------
@@ -140,6 +177,20 @@ def flat_phong_gaussian(shininess: float, order: int, shifted: bool = True) -> N
 
     Their largest errors over all degrees, for s = 10, 50, 1000: .017, .0036, 1.8e-4 and .027, .0053, 2.7e-4.
 
+    Parameters
+    ----------
+    shininess
+        The exponent s, above 0.
+    order
+        The highest degree l, at least 0.
+    shifted
+        Which of the two.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A shininess that is not above 0, a negative order.
+
     Examples
     --------
     >>> filters = flat_phong(50, 5), flat_phong_gaussian(50, 5), flat_phong_gaussian(50, 5, shifted=False)
@@ -157,6 +208,18 @@ def flat_microfacet(roughness: float, order: int) -> NDArray[np.float64]:
     .. math:: f_l = e^{-(\sigma l)^2} \; \mathrm{Re} \, \mathrm{erf}\left(\frac{\pi}{4\sigma} + i \sigma l\right)
 
     The exp(-(sigma l)^2) of Ramamoorthi & Hanrahan 2004, equation 92, is exact in flatland but for the horizon.
+
+    Parameters
+    ----------
+    roughness
+        sigma, in radians, above 0 and at most 100.
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A roughness that is not between 1e-100 and 100, a negative order.
 
     Examples
     --------

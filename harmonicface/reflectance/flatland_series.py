@@ -22,6 +22,16 @@ FULL = math.sqrt(2 * math.pi)
 def circle_angles(count: int) -> NDArray[np.float64]:
     """Return evenly spaced angles from -pi up to and without pi, (count,).
 
+    Parameters
+    ----------
+    count
+        How many, at least 1.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A count below 1.
+
     Examples
     --------
     >>> (circle_angles(4) / np.pi).tolist()
@@ -35,6 +45,13 @@ def fourier_basis(angles: ArrayLike, order: int) -> Complexes:
     r"""Return F_l(theta) = exp(i l theta) / sqrt(2 pi), orthonormal over the circle, (2 order + 1, ...).
 
     Ramamoorthi & Hanrahan 2004, equation 15.
+
+    Parameters
+    ----------
+    angles
+        (...) angles, in radians.
+    order
+        The highest degree, at least 0.
 
     Raises
     ------

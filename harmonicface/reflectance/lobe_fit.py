@@ -118,6 +118,16 @@ def fit_roughness(
     As `fit_shininess`, with the filter of `microfacet_filter`, near exp(-(sigma l)^2): degrees far below 1 / sigma tell
     nothing of sigma (Ramamoorthi & Hanrahan 2004, section 5.2.6). The roughness lies between 1e-3 and 3 radians.
 
+    Parameters
+    ----------
+    reflected, light, noise, strength
+        As of `fit_shininess`.
+
+    Raises
+    ------
+    HarmonicFaceError
+        As of `fit_shininess`.
+
     Examples
     --------
     >>> from harmonicface.reflectance.spectra import apply_filter, directional_spectrum

@@ -92,6 +92,13 @@ def microfacet_filter(roughness: float, order: int) -> NDArray[np.float64]:
 def microfacet_sensitivity(roughness: float, order: int) -> NDArray[np.float64]:
     r"""Return df_l / dsigma, how a microfacet filter changes with its roughness, (order + 1,).
 
+    Parameters
+    ----------
+    roughness
+        sigma, in radians, above 0 and at most 100.
+    order
+        The highest degree l, at least 0.
+
     Raises
     ------
     HarmonicFaceError
@@ -122,6 +129,15 @@ def microfacet_gaussian(roughness: float, order: int, form: Gaussian = "matched"
     The paper's is coarse for a rough surface: at sigma = .3, l = 1 the exact value is .791, the paper's .914, the
     linear form's .835. (Equation 87, behind it, lacks a factor sqrt(2 / (pi l)).) The largest errors over all degrees,
     for sigma = .1, .2, .3: paper .044, .091, .139; linear .007, .026, .059; matched 2e-6, 4e-5, .0015.
+
+    Parameters
+    ----------
+    roughness
+        sigma, in radians, above 0 and at most 100.
+    order
+        The highest degree l, at least 0.
+    form
+        Which of the three.
 
     Raises
     ------

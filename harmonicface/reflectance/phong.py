@@ -101,6 +101,13 @@ def phong_sensitivity(shininess: float, order: int) -> NDArray[np.float64]:
 
     The derivative of the two-step product, exact also where f_l itself is 0.
 
+    Parameters
+    ----------
+    shininess
+        The exponent s, any real number of at least 0.
+    order
+        The highest degree l, at least 0.
+
     Raises
     ------
     HarmonicFaceError

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import order_of
-from harmonicface.reflectance._arguments import filter_values
+from harmonicface.reflectance._arguments import filter_values, numbers
 from harmonicface.reflectance.spectra import degree_power
 
 NOTHING = 1e-12  # of the largest factor: what rounding leaves of an exact zero
@@ -98,7 +99,8 @@ def recoverable_lighting(
     Parameters
     ----------
     filter_
-        (order + 1,) numbers f_l of the material.
+        (order + 1,) numbers f_l of the material, or (order + 1, ...) numbers Lambda_l rho_lpq of a general one, real or
+        complex: each p and q tells L_lm, so their squares add up to the squared factor.
     noise
         Standard deviation of each B_lm, as a fraction of the reflection's own degree 0.
     spectrum
@@ -129,8 +131,11 @@ def recoverable_lighting(
       degree  6    0.0491         64   128.0%  ill-conditioned
     condition over the recoverable degrees: 24
     """
-    factors = np.asarray(filter_values(filter_), np.float64)
-    return _report("lighting", factors, noise, spectrum, tolerance)
+    values = numbers(filter_, "filter")
+    if values.ndim == 0 or values.size == 0:
+        raise HarmonicFaceError(f"filter: expected numbers for each degree, got {_validate.describe(values)}")
+    factors = values if values.ndim == 1 and values.dtype.kind != "c" else _lengths(values)
+    return _report("lighting", np.asarray(factors, np.float64), noise, spectrum, tolerance)
 
 
 def recoverable_reflectance(
@@ -175,6 +180,11 @@ def recoverable_reflectance(
         raise HarmonicFaceError(f"light: expected coefficients of shape (k,), got {_validate.describe(values)}")
     order_of(len(values))
     return _report("reflectance", np.sqrt(degree_power(values)), noise, spectrum, tolerance)
+
+
+def _lengths(values: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the Euclidean length of what each degree holds."""
+    return np.asarray(np.linalg.norm(values.reshape(len(values), -1), axis=1), np.float64)
 
 
 def _report(

@@ -21,6 +21,16 @@ def degree_norms(order: int) -> NDArray[np.float64]:
     Ramamoorthi & Hanrahan 2004, equation 45; rho_l are the harmonic coefficients of the transfer function about its
     own axis.
 
+    Parameters
+    ----------
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order.
+
     Examples
     --------
     >>> degree_norms(2).round(4)
@@ -34,6 +44,16 @@ def mirror_filter(order: int) -> NDArray[np.float64]:
 
     rho_l = 1 / Lambda_l, B_lm = L_lm: the picture of a mirror sphere is the light itself (Ramamoorthi & Hanrahan 2004,
     equation 68). It is what Phong tends to as the shininess grows and microfacets as the roughness vanishes.
+
+    Parameters
+    ----------
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order.
 
     Examples
     --------
@@ -95,6 +115,13 @@ def directional_spectrum(direction: ArrayLike, order: int) -> NDArray[np.float64
     Ramamoorthi & Hanrahan 2004, equations 63 and 64. Each coefficient's mean square is 1 / (4 pi) at every degree: a
     white spectrum, the best light to measure a material by. From the z axis only L_l0 = 1 / Lambda_l are not 0.
 
+    Parameters
+    ----------
+    direction
+        Three numbers toward the light, of any length above 0.
+    order
+        The highest degree l, at least 0.
+
     Raises
     ------
     HarmonicFaceError
@@ -117,6 +144,16 @@ def uniform_spectrum(order: int) -> NDArray[np.float64]:
     Ramamoorthi & Hanrahan 2004, equation 65; its total is 1 like that of `directional_spectrum`. A radiance of 1 has
     L_00 = Lambda_0 = sqrt(4 pi).
 
+    Parameters
+    ----------
+    order
+        The highest degree l, at least 0.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order.
+
     Examples
     --------
     >>> uniform_spectrum(1).round(4)
@@ -131,6 +168,11 @@ def degree_power(coefficients: ArrayLike) -> NDArray[np.float64]:
     r"""Return the energy of each degree, \sum_m L_lm^2, (order + 1,) or (order + 1, channels).
 
     A rotation does not change it.
+
+    Parameters
+    ----------
+    coefficients
+        ((order + 1)^2,) or ((order + 1)^2, channels) harmonic coefficients.
 
     Raises
     ------

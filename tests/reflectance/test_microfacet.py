@@ -71,6 +71,18 @@ def test_the_papers_expansion_at_small_degrees() -> None:
     assert (np.abs(rest) <= fallen**2).all()
 
 
+def test_the_papers_forms_of_the_harmonics_near_the_pole() -> None:
+    # equation 86 holds as printed; equation 87 lacks a factor sqrt(2 / (pi l))
+    angle, degree = 1e-3, 6
+    near = 1 - degree * (degree + 1) / 4 * angle**2
+    assert abs(eval_legendre(degree, np.cos(angle)) - near) < (degree * angle) ** 4
+    angle, degree = 0.3, np.arange(500, 520)
+    wave = np.cos((degree + 0.5) * angle - np.pi / 4) / np.sqrt(np.sin(angle))
+    values = eval_legendre(degree, np.cos(angle))
+    assert_allclose(values, np.sqrt(2 / (np.pi * degree)) * wave, rtol=0, atol=1e-4)
+    assert np.abs(values - wave).max() > 1
+
+
 def test_the_lobes_energy_is_degree_zero() -> None:
     for roughness in (0.1, 0.3, 0.8):
         energy = 2 * np.pi * quad(lambda u, r=roughness: float(microfacet_lobe(u, r)), 0, 1, epsabs=1e-12, limit=200)[0]

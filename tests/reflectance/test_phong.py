@@ -111,6 +111,17 @@ def test_the_readmes_of_the_gaussians() -> None:
     assert values == [0.779, 0.741, 0.747]
 
 
+@pytest.mark.parametrize("shininess", [1e2, 1e4, 1e6])
+def test_the_logarithms_expansion_has_a_linear_term(shininess: float) -> None:
+    # equation 80 has -l^2 (1/2s - 1/2s^2), wrong in the leading order of 1/s; -l (l + 1) / (2s + 3) is right to 1/s^2
+    degree = np.arange(1, 8)
+    logarithm = np.log(phong_filter(shininess, 7)[1:])
+    papers = -(degree**2) * (1 / (2 * shininess) - 1 / (2 * shininess**2))
+    assert_allclose((logarithm - papers) * 2 * shininess, -degree, rtol=0, atol=60 / shininess)
+    better = -degree * (degree + 1) / (2 * shininess + 3)
+    assert (np.abs(logarithm - better) < degree**4 * (degree + 1) / shininess**3 + 1e-14).all()
+
+
 @pytest.mark.parametrize(
     ("shininess", "errors"), [(10, [0.050, 0.042, 0.016]), (50, [0.033, 0.009, 0.0035]), (200, [0.019, 0.002, 0.0009])]
 )

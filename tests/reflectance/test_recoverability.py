@@ -94,7 +94,17 @@ def test_nothing_recoverable_has_no_condition() -> None:
     assert recoverable_lighting([1.0, 0.5], noise=0.9).condition == math.inf
 
 
+def test_a_general_material_tells_by_any_of_its_coefficients() -> None:
+    rho = np.zeros((4, 3, 2), complex)
+    rho[0, 0, 0], rho[1, 2, 1], rho[3] = 2.0, 1j, 0.1 + 0.1j
+    report = recoverable_lighting(rho, noise=0.1)
+    assert_allclose(report.factors, [2, 1, 0, math.sqrt(6 * 0.02)], rtol=1e-14)
+    assert report.lost == (2,)
+
+
 def test_errors() -> None:
+    with pytest.raises(HarmonicFaceError, match="filter: expected numbers for each degree, got"):
+        recoverable_lighting(np.ones((0, 2)), 0.1)
     with pytest.raises(HarmonicFaceError, match="lighting: expected a degree 0 that is not nothing, got 0"):
         recoverable_lighting([0.0, 1.0], 0.1)
     with pytest.raises(HarmonicFaceError, match="reflectance: expected a degree 0 that is not nothing, got 0"):
