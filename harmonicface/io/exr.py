@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from typing import Any
 
 import numpy as np
@@ -65,13 +65,14 @@ def _picture_channels(names: list[str]) -> tuple[str, ...]:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep the library from printing about bad files, which it does below Python: the error says it."""
+    """Keep the library from printing about bad files, below Python and through it: the error says it."""
     kept = [(stream, os.dup(stream)) for stream in (1, 2)]
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
         for stream, _ in kept:
             os.dup2(nowhere, stream)
-        yield
+        with redirect_stdout(io.StringIO()):  # some of it goes through Python
+            yield
     finally:
         os.close(nowhere)
         for stream, copy in kept:

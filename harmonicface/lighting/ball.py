@@ -62,7 +62,10 @@ class BallLayout(Layout):
         size = shape[-1]
         edges = np.linspace(-1.0, 1.0, size + 1)
         along = self._edge(edges[:, None], edges[None, :-1], edges[None, 1:])  # (size + 1, size): by height and column
-        return np.maximum(along[1:] - along[:-1] + (along[1:] - along[:-1]).T, 0.0)
+        across = along[1:] - along[:-1]
+        nearest = np.maximum(np.maximum(edges[:-1], -edges[1:]), 0)  # of a column to the middle
+        outside = np.hypot(nearest[:, None], nearest[None, :]) >= 1
+        return np.where(outside, 0.0, np.maximum(across + across.T, 0))
 
     def _edge(
         self, height: NDArray[np.float64], start: NDArray[np.float64], end: NDArray[np.float64]

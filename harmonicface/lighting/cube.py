@@ -62,6 +62,10 @@ class CubeLayout(Layout):
         corner = np.arctan2(x * y, np.sqrt(x * x + y * y + 1))
         return np.broadcast_to(np.diff(np.diff(corner, axis=0), axis=1), shape).copy()
 
+    def fold(self, values: Floats) -> tuple[Floats, Floats] | None:
+        opposite = [values[1][::-1], values[3][:, ::-1], values[5][::-1]]  # as the opposite face shows it
+        return values[::2], np.stack(opposite)
+
     def sample(self, radiance: Floats, directions: NDArray[np.float64]) -> Floats:
         flat = directions.reshape(-1, 3)
         result = np.empty((len(flat), *radiance.shape[3:]), radiance.dtype)

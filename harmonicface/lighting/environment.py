@@ -125,16 +125,36 @@ class EnvironmentMap(Light):
         angles = self.solid_angles
         return self.radiance * (angles if self.channels == 1 else angles[..., None])
 
+    def lamps(self) -> tuple[NDArray[np.float64], Floats]:
+        """Return directions (n, 3) and strengths (n,) or (n, 3) of the pixels that give light."""
+        colours = () if self.channels == 1 else (3,)
+        strengths = self.strengths.reshape(-1, *colours)
+        lit = strengths.any(axis=-1) if colours else strengths > 0
+        return self.directions.reshape(-1, 3)[lit], strengths[lit]
+
     def irradiance(self, normals: ArrayLike) -> Floats:
-        towards, strengths = self._lamps()
-        return sum_clamped_cosine(_validate.unit_normals(normals, "normals"), towards, strengths)
+        unit = _validate.unit_normals(normals, "normals")
+        layout = layout_named(self.layout)
+        folded = layout.fold(self.strengths)
+        if folded is None:
+            return sum_clamped_cosine(unit, *self.lamps())
+        # opposite pixels share their cosine c: max(-c, 0) = max(c, 0) - c
+        halves = layout.fold(self.directions)
+        assert halves is not None
+        towards = halves[0].reshape(-1, 3)
+        front, back = (part.reshape(len(towards), *folded[0].shape[len(self.shape) :]) for part in folded)
+        both = front + back
+        lit = both.reshape(len(towards), -1).any(axis=1)
+        linear = unit @ np.asarray(towards.T @ back, dtype=np.float64)
+        result = sum_clamped_cosine(unit, towards[lit], both[lit]) - linear
+        return np.maximum(result, 0).astype(unit.dtype, copy=False)
 
     def coefficients(self, order: int = 2) -> Floats:
         size = count(order)
         if self.layout == "latlong":
             result = latlong_coefficients(self.radiance, order)
             return result if self.rotation is None else rotate(result, self.rotation)
-        towards, strengths = self._lamps()
+        towards, strengths = self.lamps()
         result = np.zeros((size, *strengths.shape[1:]))
         for start in range(0, len(towards), BLOCK):
             result += real_harmonics(towards[start : start + BLOCK], order) @ strengths[start : start + BLOCK]
@@ -150,7 +170,7 @@ class EnvironmentMap(Light):
         """Return the map redrawn in a layout (its own too), its rotation applied.
 
         Each pixel is the mean of bilinear samples on a grid in it that is at least twice as fine as the pixels of
-        this map, so nothing small is lost or counted twice when the new map is coarser.
+        this map, weighted by solid angle: nothing small is lost or counted twice when the new map is coarser.
 
         Parameters
         ----------
@@ -175,7 +195,8 @@ class EnvironmentMap(Light):
         if size is None:
             size = max(1, round(target.spacing(target.shape(64)) * 64 / spacing))
         shape = target.shape(_validate.at_least(size, 1, "size"))
-        return EnvironmentMap(resampled(self.radiance_toward, spacing, target, shape), layout)
+        drawn = resampled(self.radiance_toward, spacing, target, shape)
+        return EnvironmentMap(drawn.astype(self.radiance.dtype), layout)
 
     def picture(self, key: float = 0.18, white: float | None = None) -> Floats:
         """Return the map as a picture for the screen: tone-mapped display values (see `io.tone.tone_mapped`).
@@ -196,10 +217,3 @@ class EnvironmentMap(Light):
 
     def __mul__(self, factor: float) -> EnvironmentMap:
         return replace(self, radiance=self.radiance * factor)
-
-    def _lamps(self) -> tuple[NDArray[np.float64], Floats]:
-        """Return directions (n, 3) and strengths (n,) or (n, 3) of the pixels that give light."""
-        colours = () if self.channels == 1 else (3,)
-        strengths = self.strengths.reshape(-1, *colours)
-        lit = strengths.any(axis=-1) if colours else strengths > 0
-        return self.directions.reshape(-1, 3)[lit], strengths[lit]

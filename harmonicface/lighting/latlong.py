@@ -37,6 +37,12 @@ class LatLongLayout(Layout):
         height, width = shape
         return np.repeat(row_angles(height, width)[:, None], width, axis=1)
 
+    def fold(self, values: Floats) -> tuple[Floats, Floats] | None:
+        height, width = values.shape[:2]
+        if height % 2 or width % 2:
+            return None
+        return values[: height // 2], np.roll(values[: height // 2 - 1 : -1], width // 2, axis=1)
+
     def sample(self, radiance: Floats, directions: NDArray[np.float64]) -> Floats:
         height, width = radiance.shape[:2]
         x, y, z = np.moveaxis(directions, -1, 0)

@@ -47,6 +47,13 @@ class Layout(ABC):
     def sample(self, radiance: Floats, directions: NDArray[np.float64]) -> Floats:
         """Return the radiance toward (..., 3) directions, bilinear between the centres of pixels, across all seams."""
 
+    def fold(self, values: Floats) -> tuple[Floats, Floats] | None:
+        """Return the values (one a pixel, colours last) of half of the pixels and those of their antipodes.
+
+        None where the antipode of a pixel is not a pixel.
+        """
+        return None
+
     def spacing(self, shape: Shape) -> float:
         """Return the typical angle between neighbouring pixels in radians."""
         return float(np.sqrt(4 * np.pi / np.count_nonzero(self.solid_angles(shape))))

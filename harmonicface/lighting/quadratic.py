@@ -11,7 +11,7 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 
-# c1 ... c5 of the paper are 0.429043, 0.511664, 0.743125, 0.886227, 0.247708
+# The paper prints 0.429043, 0.511664, 0.743125, 0.886227, 0.247708; exact are 0.5116634 and 0.7431239.
 C1 = math.sqrt(15 / math.pi) * math.pi / 16
 C2 = math.sqrt(math.pi / 3) / 2
 C3 = 3 * math.sqrt(5 / math.pi) * math.pi / 16

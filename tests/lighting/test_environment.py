@@ -123,7 +123,7 @@ def test_a_file_that_is_no_map(tmp_path: Path) -> None:
     np.save(tmp_path / "square.npy", np.ones((8, 8)))
     with pytest.raises(hf.HarmonicFaceError, match=r"square\.npy: expected a map twice as wide as high, got 8 x 8"):
         hf.EnvironmentMap.load(tmp_path / "square.npy")
-    with pytest.raises(hf.HarmonicFaceError, match="layout: expected one of 'latlong', .*, got 'polar'"):
+    with pytest.raises(hf.HarmonicFaceError, match=r"layout: expected one of 'latlong', .*, got 'polar'"):
         hf.EnvironmentMap.load(tmp_path / "square.npy", layout="polar")
     with pytest.raises(hf.HarmonicFaceError, match=r"none\.hdr: expected an image"):
         hf.EnvironmentMap.load(tmp_path / "none.hdr")

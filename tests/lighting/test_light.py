@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.spatial.transform import Rotation
 
 import harmonicface as hf
 from harmonicface.lighting.light import HarmonicLight, Light
@@ -26,10 +27,16 @@ def lamps() -> DirectionalLights:
 
 
 NORMALS = random_normals(400)
+TURN = Rotation.from_rotvec([0.4, -1.1, 2.0])
 LIGHTS: dict[str, Callable[[], Light]] = {
     "one lamp": lambda: hf.lights.directional([1, 2, 3], 0.7),
     "lamps": lamps,
     "ambient": lambda: hf.lights.ambient(0.4),
+    "disc": lambda: hf.lights.area([1, 1, -2], 20, [0.3, 0.2, 0.1]),
+    "more than half a sphere": lambda: hf.lights.cone([0, -1, 0], 130, 0.8),
+    "cube": lambda: hf.EnvironmentMap(np.random.default_rng(2).gamma(0.2, 1.0, (6, 5, 5, 3)), "cube"),
+    "light probe": lambda: hf.EnvironmentMap(np.random.default_rng(3).gamma(0.2, 1.0, (9, 9)), "angular"),
+    "turned environment": lambda: hf.lights.natural(7, size=6).rotated(TURN),
     "environment": lambda: hf.lights.natural(5, size=8),
     "sum": lambda: hf.lights.directional([-1, 0, 1]) + hf.lights.ambient(0.2) + hf.lights.natural(2, size=6),
     "coloured sum": lambda: hf.lights.directional([-1, 0, 1], [0.2, 0.5, 0.9]) + hf.lights.natural(2, size=6),
@@ -155,3 +162,92 @@ def test_coefficients_are_cut_or_filled_with_zeros() -> None:
 def test_coefficients_that_are_none(values: np.ndarray, message: str) -> None:
     with pytest.raises(hf.HarmonicFaceError, match=message):
         HarmonicLight(values)
+
+
+@every_light
+def test_a_turned_light_is_the_light_seen_by_normals_turned_back(light: Light) -> None:
+    for turn in (TURN, Rotation.from_euler("x", 180, degrees=True), Rotation.identity()):
+        matrix = turn.as_matrix()
+        turned = light.rotated(turn)
+        scale = light.irradiance(NORMALS).max()
+        assert_allclose(turned.irradiance(NORMALS @ matrix.T), light.irradiance(NORMALS), rtol=0, atol=2e-14 * scale)
+        assert_array_equal(light.rotated(matrix).coefficients(3), turned.coefficients(3))
+        assert turned.channels == light.channels
+
+
+@every_light
+def test_coefficients_turn_with_the_light(light: Light) -> None:
+    # by projection: the coefficients of f(R^T w) are sums over w of weight times f times Y(R w), seen here in degree 1
+    before, after = light.coefficients(6), light.rotated(TURN).coefficients(6)
+    cartesian = [3, 1, 2]
+    assert_allclose(
+        after[cartesian], TURN.as_matrix() @ before[cartesian], rtol=0, atol=1e-13 * np.abs(before[0]).max()
+    )
+    for degree in range(7):
+        block = slice(degree**2, (degree + 1) ** 2)
+        size = np.linalg.norm(before[block], axis=0)
+        assert_allclose(np.linalg.norm(after[block], axis=0), size, rtol=1e-10, atol=1e-13 * np.abs(before[0]).max())
+
+
+@every_light
+@pytest.mark.parametrize(
+    ("rotation", "message"),
+    [
+        (np.eye(2), "rotation: expected .* 3 x 3 matrix, got shape"),
+        (-np.eye(3), "rotation: expected an orthogonal matrix of determinant 1"),
+        (2 * np.eye(3), "rotation: expected an orthogonal matrix of determinant 1"),
+        (np.full((3, 3), np.nan), "rotation: expected finite numbers"),
+        ("left", "rotation: expected an array of real numbers"),
+    ],
+)
+def test_what_turns_no_light(light: Light, rotation: np.ndarray, message: str) -> None:
+    with pytest.raises(hf.HarmonicFaceError, match=message):
+        light.rotated(rotation)
+
+
+def test_light_from_below_by_one_coefficient() -> None:
+    above = hf.HarmonicLight([1.0, 0.4, 0.0, 0.1])
+    below = above.with_coefficient(1, -1, -0.4)
+    up = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+    assert_allclose(below.irradiance(up), above.irradiance(up)[::-1], rtol=1e-15)
+    assert above.values[1] == 0.4
+    assert_array_equal(above.with_coefficient(2, 1, 5.0).values, [1, 0.4, 0, 0.1, 0, 0, 0, 5, 0])
+    grace = hf.lights.published("grace").with_coefficient(0, 0, [1.0, 2.0, 3.0])
+    assert_array_equal(grace.values[0], [1, 2, 3])
+    assert_array_equal(hf.lights.published("grace").with_coefficient(1, 0, 0.5).values[2], [0.5, 0.5, 0.5])
+
+
+def test_a_linear_term_adds_its_cosine() -> None:
+    direction = np.array([0.6, 0.0, -0.8])
+    before = hf.HarmonicLight(np.random.default_rng(0).normal(size=(9, 3)))
+    after = before.with_linear_term(5 * direction, [0.1, 0.2, -0.3])
+    added = 2 * np.pi / 3 * (NORMALS @ direction)[:, None] * [0.1, 0.2, -0.3]
+    assert_allclose(after.irradiance(NORMALS) - before.irradiance(NORMALS), added, rtol=0, atol=1e-14)
+    assert_allclose(
+        hf.HarmonicLight([0.0]).with_linear_term([0, 0, 1], 1.0).irradiance([[0.0, 0.0, 1.0]]), 2 * np.pi / 3
+    )
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (lambda light: light.with_coefficient(1, 2, 0.0), "mode: expected an integer from -1 to 1, got 2"),
+        (lambda light: light.with_coefficient(-1, 0, 0.0), "degree: expected an integer of at least 0"),
+        (lambda light: light.with_coefficient(1, 0, np.nan), "value: expected finite numbers"),
+        (lambda light: light.with_coefficient(1, 0, [1.0, 2.0, 3.0]), "value: expected one number, got an array"),
+        (lambda light: light.with_linear_term([0, 0, 0], 1.0), "direction: expected directions"),
+        (
+            lambda light: light.with_linear_term([[0, 0, 1]], 1.0),
+            r"direction: expected one of shape \(3,\), got \(1, 3\)",
+        ),
+        (lambda light: light.with_linear_term([0, 0, 1], [1.0, 2.0]), "strength: expected one number, got an array"),
+    ],
+)
+def test_edits_that_are_none(edit: Callable[[hf.HarmonicLight], Light], message: str) -> None:
+    with pytest.raises(hf.HarmonicFaceError, match=message):
+        edit(hf.HarmonicLight([1.0, 0, 0, 0]))
+
+
+def test_coloured_light_takes_one_value_or_three() -> None:
+    with pytest.raises(hf.HarmonicFaceError, match="value: expected one number or three, got an array"):
+        hf.lights.published("grace").with_coefficient(1, 0, [1.0, 2.0])
