@@ -85,6 +85,11 @@ def test_worst_pixel_error_is_attained_by_a_lamp_and_found_between_samples() -> 
     assert_allclose(worst_pixel_error(phong_filter(9.5, 7), lambda u: phong_lobe(u, 9.5)), errors.max(), rtol=1e-9)
 
 
+def test_worst_pixel_error_between_two_samples() -> None:
+    found = worst_pixel_error([0.0], lambda u: 1 - (u - 0.3217) ** 2)
+    assert_allclose(found, 1, rtol=0, atol=1e-11)
+
+
 def test_errors() -> None:
     with pytest.raises(HarmonicFaceError, match="total: expected at least the 2"):
         energy_captured(lambertian_filter(8), 1.0)

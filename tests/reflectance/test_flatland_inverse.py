@@ -91,6 +91,9 @@ def test_with_noise_to_the_noise() -> None:
     factors = factorize_flat(noisy, 1e-3)
     found = factors.light * light[5] * ROOT
     assert np.abs(found - light).max() < 5e-3 * np.abs(light).max()
+    material = factors.transfer.filled(np.nan)
+    assert_allclose(material, material[::-1, ::-1].T, rtol=1e-14)  # reciprocal, though the noise is not
+    assert np.abs(material / (light[5] * ROOT) - rho).max() < 5e-3 * np.abs(rho).max()
 
 
 def test_a_degree_that_the_light_lacks_is_known_to_be_dark() -> None:

@@ -107,6 +107,15 @@ def test_the_noise_is_seen_in_the_residual(fit, filter_, lobe, width: float) -> 
     assert_allclose(fit(apply_filter(filter_(width, 20), light) + noise, light).noise, 0.003, rtol=0.1)
 
 
+@pytest.mark.parametrize("strength", [1.0, None])
+def test_the_noise_is_the_residual_for_each_degree_of_freedom(strength) -> None:
+    light = directional_spectrum([1, 1, 1], 3)
+    reflected = apply_filter(phong_filter(6, 3), light) + 0.02 * np.random.default_rng(4).normal(size=16)
+    answer = fit_shininess(reflected, light, strength=strength)
+    rest = reflected - answer.strength * apply_filter(phong_filter(answer.value, 3), light)
+    assert_allclose(answer.noise**2 * (15 if strength else 14), rest @ rest, rtol=1e-9)
+
+
 def test_the_standard_deviation_is_the_slope_of_the_answer() -> None:
     # each coefficient's change moves the answer by its row of the pseudo-inverse; their squares add up
     light = directional_spectrum([1, 2, 3], 3)

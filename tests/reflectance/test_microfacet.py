@@ -33,6 +33,15 @@ def test_degree_and_order_do_not_change_each_other() -> None:
     assert np.isfinite(microfacet_filter(0.01, 1000)).all()
 
 
+def test_a_thousand_degrees_by_one_fine_rule() -> None:
+    nodes, weights = np.polynomial.legendre.leggauss(1200)
+    angles = np.pi / 4 * (nodes + 1)
+    lobe = np.pi / 4 * weights * np.exp(-((angles / 0.6) ** 2)) * np.sin(angles) / (2 * 0.3**2)
+    degree = np.array([100, 500, 900, 1000])
+    expected = eval_legendre(degree[:, None], np.cos(angles)) @ lobe
+    assert_allclose(microfacet_filter(0.3, 1000)[degree], expected, rtol=0, atol=1e-14)
+
+
 def test_a_tiny_lobe_is_a_gaussian_of_the_plane_to_machine_precision() -> None:
     # for small angles P_l(cos t) is J_0((l + 1/2) t) and the integral exp(-(sigma (l + 1/2))^2), with errors of
     # sigma^2; a cosine instead of its complement would lose 1e-11 here
