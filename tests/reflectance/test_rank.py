@@ -35,8 +35,8 @@ def test_a_series_of_the_clamped_cosine_has_its_filter_as_singular_values() -> N
 
 def test_the_clamped_cosine_itself() -> None:
     report = sphere_kernel_rank(lambda s, t: np.maximum(cosines(s, t), 0), 15, tolerance=0.03)
-    # the kink makes the quadrature inexact: to a hundredth of the largest on this grid
-    assert_allclose(report.singular_values[:18], multiplied(lambertian_filter(4))[:18], rtol=0, atol=0.01 * math.pi)
+    # the kink makes the quadrature inexact: to 3e-4 of the largest on this grid
+    assert_allclose(report.singular_values[:18], multiplied(lambertian_filter(4))[:18], rtol=0, atol=5e-4 * math.pi)
     assert report.rank == 18 and abs(report.kept_condition - 24) < 2
     assert sphere_kernel_rank(lambda s, t: np.maximum(cosines(s, t), 0), 15, tolerance=0.1).rank == 9
 
