@@ -24,34 +24,32 @@ ZONAL = math.sqrt(5 / (16 * math.pi))
 def nine_harmonics(size: int, dtype: np.dtype[Any]) -> Kernel:
     """Return a function that writes the nine harmonics of up to `size` directions, (n, 3) into (9, n).
 
-    It computes in place: five rows of scratch, no temporaries. The function returns the least and the largest
-    squared length of the directions (NaN if one is not a number).
+    Three rows of scratch, no temporaries, and as few calls as possible, since each costs as much as thousands of
+    numbers. The function returns the least and the largest squared length of the directions (NaN if one is not a
+    number).
     """
-    scratch = np.empty((4, size), dtype)
-    number = dtype.type  # python floats would be as good, but slower to convert at each call
-    scale, linear, half = number(SCALE), number(LINEAR / SCALE), number(0.5)
-    zonal, offset, constant = number(3 * ZONAL / MIXED), number(ZONAL), number(CONSTANT)
+    scratch = np.empty((3, size), dtype)
+    scale, linear, half, zonal, offset, constant = (
+        np.array(number, dtype) for number in (SCALE, LINEAR / SCALE, 0.5, 3 * ZONAL / MIXED, ZONAL, CONSTANT)
+    )
 
     def write(directions: Floats, out: Floats) -> Lengths:
-        x, y, z, work = scratch[:, : len(directions)]
-        np.multiply(directions.T, scale, out=scratch[:3, : len(directions)])
+        planes = scratch[:, : len(directions)]
+        y, z, x = planes  # in the order of the linear harmonics
+        np.multiply(directions.T[1:], scale, out=planes[:2])
+        np.multiply(directions.T[0], scale, out=x)
         out[0] = constant
-        np.multiply(y, linear, out=out[1])
-        np.multiply(z, linear, out=out[2])
-        np.multiply(x, linear, out=out[3])
-        np.multiply(x, y, out=out[4])
-        np.multiply(y, z, out=out[5])
+        np.multiply(planes, linear, out=out[1:4])
+        np.multiply(planes[1:], y, out=out[5:3:-1])  # yz and xy
         np.multiply(x, z, out=out[7])
-        np.multiply(x, x, out=x)
-        np.multiply(y, y, out=y)
-        np.multiply(z, z, out=z)
-        np.multiply(z, zonal, out=work)
-        np.subtract(work, offset, out=out[6])
-        np.subtract(x, y, out=work)
-        np.multiply(work, half, out=out[8])
+        np.multiply(planes, planes, out=planes)  # squares from here on
+        np.multiply(z, zonal, out=out[6])
+        np.subtract(out[6], offset, out=out[6])
+        np.subtract(x, y, out=out[8])
+        np.multiply(out[8], half, out=out[8])
         np.add(x, y, out=x)
         np.add(x, z, out=x)
-        return x.min() / MIXED, x.max() / MIXED
+        return np.minimum.reduce(x) / MIXED, np.maximum.reduce(x) / MIXED
 
     return write
 

@@ -16,7 +16,7 @@ from harmonicface.harmonics import _memory
 from harmonicface.harmonics._blocks import all_harmonics, nine_harmonics
 from harmonicface.harmonics.indexing import count
 
-NINE_BLOCK = 1 << 15  # directions at once: scratch and results stay in the cache, calls are few
+NINE_BLOCK = 1 << 16  # directions at once: few calls, and 6 MB of doubles that stay in the last cache
 BLOCK = 1 << 12
 THREADS = 4  # more of them wait for the memory
 THREADED_SIZE = 1 << 20  # numbers below which starting threads costs more than it saves
