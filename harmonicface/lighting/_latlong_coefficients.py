@@ -28,14 +28,20 @@ def latlong_coefficients(radiance: Floats, order: int) -> NDArray[np.float64]:
     """
     height, width = radiance.shape[:2]
     planes = radiance.reshape(height, width, -1)
-    polar = (_rows_first if order <= ROWS_FIRST else _columns_first)(planes, order)
+    if order <= ROWS_FIRST:
+        with np.errstate(over="ignore", invalid="ignore"):
+            polar = _rows_first(planes, order)
+        if not np.isfinite(polar).all():  # a block's sum is beyond the largest float32
+            polar = _rows_first(planes.astype(np.float64), order)
+    else:
+        polar = _columns_first(planes, order)
     return _from_polar(polar, order).reshape(count(order), *radiance.shape[2:])
 
 
 def _rows_first(planes: Floats, order: int) -> NDArray[np.float64]:
     """Sum over rows, in the type of the map within a block and in float64 over blocks, then over columns."""
     height, width, colours = planes.shape
-    functions, waves = _functions(height, width, order), _waves(width, order)
+    functions, waves = _kept_functions(height, width, order), _waves(width, order)
     chosen = [(degree, mode) for degree in range(order + 1) for mode in range(degree + 1)]
     rows = np.array([functions[index(degree, mode)] for degree, mode in chosen]).astype(planes.dtype)
     flat = planes.reshape(height, -1)
@@ -63,7 +69,6 @@ def _columns_first(planes: Floats, order: int) -> NDArray[np.float64]:
     return result
 
 
-@lru_cache(maxsize=8)
 def _functions(height: int, width: int, order: int) -> NDArray[np.float64]:
     """Return Y_lm at longitude 0 of the polar frame times the solid angle, ((order + 1)^2, rows)."""
     latitude = np.pi * (0.5 - (np.arange(height) + 0.5) / height)
@@ -71,7 +76,10 @@ def _functions(height: int, width: int, order: int) -> NDArray[np.float64]:
     return np.asarray(real_harmonics(meridian, order) * row_angles(height, width))
 
 
-@lru_cache(maxsize=8)
+_kept_functions = lru_cache(maxsize=8)(_functions)  # of low orders only: they are few
+
+
+@lru_cache(maxsize=4)
 def _waves(width: int, order: int) -> NDArray[np.float64]:
     """Return sin(|m| phi) for m < 0 and cos(m phi) for the others, (2 order + 1, columns)."""
     phi = np.pi - 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)

@@ -102,7 +102,9 @@ class AngularLayout(BallLayout):
     """A light probe: the centre looks away from the camera (-z), the rim behind it (+z), angles grow evenly with r.
 
     Debevec's angular map: the angle from -z is pi r, +x is to the right, +y up (Debevec, Rendering synthetic objects
-    into real scenes, 1998, and the Light Probe Image Gallery).
+    into real scenes, 1998, and the Light Probe Image Gallery). The published table of nine coefficients and its
+    figures (Ramamoorthi & Hanrahan 2001) put +z at the centre instead: the mirror image of this, in which the
+    coefficients odd in z, L_10, L_2-1 and L_21, change their signs.
     """
 
     name = "angular"

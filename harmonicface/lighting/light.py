@@ -78,6 +78,9 @@ class Light(ABC):
     def __add__(self, other: Light) -> Light:
         return SumOfLights((self, other)) if isinstance(other, Light) else NotImplemented
 
+    def __radd__(self, other: int) -> Light:
+        return self if other == 0 else NotImplemented  # sum() starts from 0
+
 
 @dataclass(frozen=True, eq=False)
 class HarmonicLight(Light):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,11 +12,14 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.harmonics.indexing import degrees
+from harmonicface.harmonics.indexing import count, degrees
 from harmonicface.lighting._clamped_cosine import sum_lobe
 from harmonicface.lighting.environment import EnvironmentMap
 from harmonicface.lighting.layouts import layout_named
-from harmonicface.lighting.light import HarmonicLight, Light
+from harmonicface.lighting.light import Light
+from harmonicface.reflectance.filters import lambertian_filter
+
+KEPT = 1 << 18  # numbers of harmonics of a map's directions that are kept for the next light
 
 
 def irradiance_map(light: Light, size: int = 64, layout: str = "latlong", order: int | None = None) -> Floats:
@@ -52,9 +56,9 @@ def irradiance_map(light: Light, size: int = 64, layout: str = "latlong", order:
     >>> irradiance_map(ambient(0.5), size=1, order=2).round(6)
     array([[0.5, 0.5]])
     """
-    normals = _directions(layout, size)
-    shown = light if order is None else HarmonicLight(light.coefficients(order))
-    return shown.irradiance(normals)
+    if order is None:
+        return light.irradiance(_directions(layout, size))
+    return reflection_map(light, lambertian_filter(order), size, layout)
 
 
 def reflected(light: Light, filter_: ArrayLike, directions: ArrayLike) -> Floats:
@@ -91,13 +95,8 @@ def reflected(light: Light, filter_: ArrayLike, directions: ArrayLike) -> Floats
     >>> reflected(ambient(np.pi), [1.0, 0.5], [[0.0, 0.0, 1.0]]).round(6)  # a radiance of 1 from everywhere
     array([1.])
     """
-    factors = _validate.finite(filter_, "filter_")
-    if factors.ndim != 1 or factors.size == 0:
-        raise HarmonicFaceError(f"filter_: expected shape (order + 1,), got {factors.shape}")
-    order = len(factors) - 1
-    harmonics = real_harmonics(directions, order)
-    weighted = (factors[degrees(order)] * light.coefficients(order).T).T.astype(harmonics.dtype)
-    return np.asarray(np.tensordot(harmonics, weighted, (0, 0)))
+    factors = _factors(filter_)
+    return _series(real_harmonics(directions, len(factors) - 1), factors, light)
 
 
 def reflected_exactly(environment: EnvironmentMap, lobe: Callable[[Floats], Floats], directions: ArrayLike) -> Floats:
@@ -168,7 +167,32 @@ def reflection_map(light: Light, filter_: ArrayLike, size: int = 64, layout: str
     >>> reflection_map(ambient(np.pi), [1.0, 0.9, 0.7], size=2, layout="cube").shape
     (6, 2, 2)
     """
-    return reflected(light, filter_, _directions(layout, size))
+    factors = _factors(filter_)
+    order = len(factors) - 1
+    name, rows = layout_named(layout).name, _validate.at_least(size, 1, "size")
+    harmonics = (_kept_harmonics if count(order) * rows**2 <= KEPT else _harmonics)(name, rows, order)
+    return _series(harmonics, factors, light)
+
+
+def _factors(filter_: ArrayLike) -> Floats:
+    factors = _validate.finite(filter_, "filter_")
+    if factors.ndim != 1 or factors.size == 0:
+        raise HarmonicFaceError(f"filter_: expected shape (order + 1,), got {factors.shape}")
+    return factors
+
+
+def _series(harmonics: Floats, factors: Floats, light: Light) -> Floats:
+    """Return the sum of f_l L_lm Y_lm."""
+    order = len(factors) - 1
+    weighted = (factors[degrees(order)] * light.coefficients(order).T).T.astype(harmonics.dtype)
+    return np.asarray(np.tensordot(harmonics, weighted, (0, 0)))
+
+
+def _harmonics(layout: str, size: int, order: int) -> Floats:
+    return real_harmonics(_directions(layout, size), order)
+
+
+_kept_harmonics = lru_cache(maxsize=4)(_harmonics)  # of small maps: they are the same for every light
 
 
 def _directions(layout: str, size: int) -> Floats:

@@ -41,7 +41,7 @@ def test_a_small_sun_keeps_its_strength_when_the_map_gets_coarse(layout: str) ->
     assert_allclose(coarse.coefficients(0), fine.coefficients(0), rtol=0.03)
     before, after = fine.coefficients(1)[1:], coarse.coefficients(1)[1:]
     cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
-    # the sun moves to the centre of a pixel; half the diagonal of the largest one (of a light probe, 1.2 times the mean)
+    # the sun moves to the centre of a pixel; half a diagonal of a light probe's largest one is 1.2 times the mean
     assert np.arccos(cosine) < 1.2 * layout_named(layout).spacing(coarse.shape)
 
 

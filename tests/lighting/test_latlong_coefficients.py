@@ -47,3 +47,8 @@ def test_a_sky_and_a_sun_at_order_40_of_a_map_with_fewer_columns() -> None:
     light = hf.EnvironmentMap(np.random.default_rng(3).uniform(size=(12, 24)))
     expected = np.tensordot(real_harmonics(light.directions, 40), light.strengths, 2)
     assert_allclose(light.coefficients(40), expected, rtol=0, atol=1e-11)
+
+
+def test_sums_beyond_single_precision() -> None:
+    radiance = np.full((64, 128), 1e38, np.float32)
+    assert_allclose(hf.EnvironmentMap(radiance).coefficients(2)[0], 1e38 * np.sqrt(4 * np.pi), rtol=1e-6)

@@ -95,3 +95,13 @@ def test_a_lamp_s_reflection_is_the_lobe() -> None:
 def test_maps_that_cannot_be(call, message: str) -> None:
     with pytest.raises(hf.HarmonicFaceError, match=message):
         call()
+
+
+def test_kept_harmonics_are_those_of_each_map() -> None:
+    for layout, size in (("latlong", 8), ("cube", 8), ("latlong", 8), ("angular", 200)):
+        chosen = layout_named(layout)
+        directions = chosen.directions(chosen.shape(size))
+        expected = hf.HarmonicLight(SKY.coefficients(2)).irradiance(directions)
+        assert_allclose(irradiance_map(SKY, size, layout, order=2), expected, rtol=1e-12)
+    with pytest.raises(hf.HarmonicFaceError, match="layout: expected one of"):
+        irradiance_map(SKY, 8, ["latlong"], order=2)  # type: ignore[arg-type]

@@ -1,0 +1,224 @@
+"""Nine numbers of an environment map: how fast they are, and how wrong is the irradiance that they give.
+
+python benchmarks/environment.py [--quick] [--json FILE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+import harmonicface as hf
+from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics.quadrature import sphere_grid
+from harmonicface.lighting.layouts import layout_named
+from harmonicface.lighting.prefiltered import irradiance_map, reflected, reflected_exactly
+from harmonicface.reflectance.microfacet import microfacet_filter, microfacet_lobe
+from harmonicface.reflectance.phong import phong_filter, phong_lobe
+
+Result = TypeVar("Result")
+DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data"))
+PUBLISHED = "published: mean under 1 %, worst under 5 % of the total (Ramamoorthi & Hanrahan 2001)"
+ORDERS = (2, 4, 8, 12, 16, 20)
+LOBES = {
+    "Phong 10": (lambda cosines: phong_lobe(cosines, 10), lambda order: phong_filter(10, order)),
+    "Phong 50": (lambda cosines: phong_lobe(cosines, 50), lambda order: phong_filter(50, order)),
+    "microfacet 0.3": (lambda cosines: microfacet_lobe(cosines, 0.3), lambda order: microfacet_filter(0.3, order)),
+    "microfacet 0.1": (lambda cosines: microfacet_lobe(cosines, 0.1), lambda order: microfacet_filter(0.1, order)),
+}
+
+
+def speed_records(quick: bool) -> Iterator[Record]:
+    """Time nine coefficients against a sum, and a map of 64 x 64 normals against the integral a normal."""
+    rng = np.random.default_rng(0)
+    radiance = rng.gamma(0.3, 3.0, (512, 1024, 3)).astype(np.float32)
+    yield _nine_coefficients(radiance)
+    yield _map_of_normals(radiance, repeats=1 if quick else 3)
+    for height in (300, 64):
+        yield _map_of_normals(radiance[:height, : 2 * height].copy(), repeats=1 if quick else 3)
+    yield _clamped_cosines(radiance[:128, :256].copy())
+
+
+def _nine_coefficients(radiance: NDArray[np.float32]) -> Record:
+    seconds = best_seconds(lambda: hf.EnvironmentMap(radiance).coefficients(2), repeats=41)
+    peer = best_seconds(lambda: radiance.sum(), repeats=41)
+    light = hf.EnvironmentMap(radiance)
+    exact = np.einsum("khw,hwc->kc", real_harmonics(light.directions, 2), light.strengths)
+    return Record(
+        name="nine coefficients of a map, checks for NaN and negative radiance included",
+        size="1024x512x3 float32",
+        seconds=seconds,
+        bytes=radiance.nbytes,
+        error=float(np.abs(light.coefficients(2) - exact).max() / np.abs(exact).max()),
+        peer="map.sum(), which checks nothing",
+        peer_seconds=peer,
+        note="target: ratio at most 4; error: largest difference from the sum in float64, of the largest coefficient",
+    )
+
+
+def _map_of_normals(radiance: NDArray[np.float32], repeats: int) -> Record:
+    """Compare two ways to the irradiance of 4,096 normals, each from the same map in float32."""
+    height, width = radiance.shape[:2]
+    shape = layout_named("angular").shape(64)
+    normals = layout_named("angular").directions(shape).astype(np.float32)
+    light = hf.EnvironmentMap(radiance)
+    towards = np.ascontiguousarray(light.directions.reshape(-1, 3).T.astype(np.float32))
+    strengths = light.strengths.reshape(-1, 3).astype(np.float32)
+    seconds = best_seconds(lambda: irradiance_map(hf.EnvironmentMap(radiance), 64, "angular", order=2), repeats=21)
+    peer, exact = _best_of(lambda: _blocked_products(normals.reshape(-1, 3), towards, strengths), repeats)
+    found = irradiance_map(light, 64, "angular", order=2).reshape(-1, 3)
+    error = np.abs(found - exact) / strengths.sum(axis=0)
+    return Record(
+        name="irradiance map of 64x64 normals",
+        size=f"from a map of {width}x{height}x3 float32",
+        seconds=seconds,
+        error=100 * float(error.mean()),
+        peer="integral over the half sphere a normal, as blocked matrix products",
+        peer_seconds=peer,
+        note=f"the peer takes {peer / seconds:.0f} times as long (T/9 = 455); error: mean, % of the total light; "
+        f"worst {100 * error.max():.2f} %",
+    )
+
+
+def _clamped_cosines(radiance: NDArray[np.float32]) -> Record:
+    """Time the package's own exact irradiance beside the plain products."""
+    light = hf.EnvironmentMap(radiance)
+    normals = layout_named("angular").directions((64, 64)).reshape(-1, 3).astype(np.float32)
+    towards = np.ascontiguousarray(light.directions.reshape(-1, 3).T.astype(np.float32))
+    strengths = light.strengths.reshape(-1, 3).astype(np.float32)
+    seconds = best_seconds(lambda: light.irradiance(normals), repeats=5)
+    peer, plain = _best_of(lambda: _blocked_products(normals, towards, strengths), 5)
+    exact = light.irradiance(normals.astype(np.float64))
+    pairs = len(normals) * len(strengths)
+    return Record(
+        name="exact irradiance",
+        size=f"4096 normals x {len(strengths)} directions x 3 float32",
+        seconds=seconds,
+        error=float(np.abs(light.irradiance(normals) - exact).max() / exact.max()),
+        peer="blocked matrix products",
+        peer_seconds=peer,
+        note=f"{1e9 * seconds / pairs:.2f} ns a pair; error: against float64, of the largest; "
+        f"the peer's {np.abs(plain - exact).max() / exact.max():.1g}",
+    )
+
+
+def _blocked_products(
+    normals: NDArray[np.float32], towards: NDArray[np.float32], strengths: NDArray[np.float32]
+) -> NDArray[np.float64]:
+    """Sum clamped cosines in blocks of 256 normals by 256 directions: the textbook's integral, done well."""
+    total = np.zeros((len(normals), 3))
+    zeros = np.zeros((256, 256), np.float32)
+    for first in range(0, len(normals), 256):
+        for start in range(0, len(strengths), 256):
+            cosines = normals[first : first + 256] @ towards[:, start : start + 256]
+            np.maximum(cosines, zeros[:, : cosines.shape[1]], out=cosines)
+            total[first : first + 256] += cosines @ strengths[start : start + 256]
+    return total
+
+
+def probe_records() -> Iterator[Record]:
+    """Compare nine-coefficient irradiance with brute force on every measured environment there is."""
+    grid = sphere_grid(70)
+    normals, weights = grid.directions.astype(np.float32), grid.weights / (4 * np.pi)
+    for name, light in _probes():
+        seconds, approximate = _timed(lambda light=light: hf.HarmonicLight(light.coefficients(2)).irradiance(normals))
+        peer, exact = _timed(lambda light=light: light.irradiance(normals))
+        error = np.abs(approximate - exact) / light.strengths.reshape(-1, 3).sum(axis=0)
+        yield Record(
+            name=f"nine-coefficient irradiance of {name}",
+            size=f"{'x'.join(map(str, light.radiance.shape))}, {len(normals)} normals",
+            seconds=seconds,
+            error=100 * float(weights @ error.mean(axis=1)),
+            peer="brute force",
+            peer_seconds=peer,
+            note=f"error: mean, % of the total light; worst {100 * error.max():.2f} %; {PUBLISHED}",
+        )
+
+
+def grace_record() -> Iterator[Record]:
+    """Compare the coefficients of Grace Cathedral with the published table after one common scale."""
+    folder = DATA / "probes" / "cube" / "grace"
+    if folder.is_dir():
+        light = hf.EnvironmentMap.load(folder, layout="cube")
+        table = hf.lights.published("grace").values
+        seconds, found = _timed(light.coefficients)
+        scale = (found * table).sum() / (found**2).sum()
+        yield Record(
+            name="published table of Grace Cathedral",
+            size="27 numbers from 6x256x256x3",
+            seconds=seconds,
+            error=float(np.abs(scale * found - table).max()),
+            note=f"error: largest difference (target 0.02; the table is rounded to 0.01); common scale {scale:.4f}",
+        )
+
+
+def reflection_records(quick: bool) -> Iterator[Record]:
+    """Show how the error of a prefiltered map of shiny materials falls with the order."""
+    name, light = next(_probes(), ("a random environment", hf.lights.natural(0)))
+    light = light.converted("latlong", 64 if quick else 128)
+    grid = sphere_grid(30)
+    for material, (lobe, filter_of) in LOBES.items():
+        peer, exact = _timed(lambda lobe=lobe: reflected_exactly(light, lobe, grid.directions))
+        errors = {}
+        for order in ORDERS:
+            seconds, found = _timed(
+                lambda order=order, filter_of=filter_of: reflected(light, filter_of(order), grid.directions)
+            )
+            squared = ((found - exact) ** 2).reshape(len(grid.weights), -1).sum(axis=1)
+            energy = (exact**2).reshape(len(grid.weights), -1).sum(axis=1)
+            errors[order] = 100 * np.sqrt(grid.weights @ squared / (grid.weights @ energy))
+        yield Record(
+            name=f"prefiltered map of {name}, {material}",
+            size=f"{'x'.join(map(str, light.radiance.shape))}, {len(grid.directions)} directions, order {ORDERS[-1]}",
+            seconds=seconds,
+            error=float(errors[ORDERS[-1]]),
+            peer="brute force",
+            peer_seconds=peer,
+            note="error: relative L2 in %; by order " + ", ".join(f"{o}: {e:.2f}" for o, e in errors.items()),
+        )
+
+
+def _probes() -> Iterator[tuple[str, hf.EnvironmentMap]]:
+    """Read the measured environments, cubes first."""
+    for layout in ("cube", "latlong", "angular"):
+        folder = DATA / "probes" / layout
+        if folder.is_dir():
+            for path in sorted(folder.iterdir()):
+                yield f"{layout}/{path.stem}", hf.EnvironmentMap.load(path, layout=layout)
+
+
+def _timed(function: Callable[[], Result]) -> tuple[float, Result]:
+    """Return the seconds of one call, and its result."""
+    start = time.perf_counter()
+    result = function()
+    return time.perf_counter() - start, result
+
+
+def _best_of(function: Callable[[], Result], repeats: int) -> tuple[float, Result]:
+    """Return the shortest of several calls, and the result."""
+    timed = [_timed(function) for _ in range(repeats)]
+    return min(seconds for seconds, _ in timed), timed[0][1]
+
+
+def main() -> None:
+    """Print the records, and write them if asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="fewer repeats, a smaller map for shiny materials")
+    parser.add_argument("--json", help="write the records here")
+    options = parser.parse_args()
+    found = [*speed_records(options.quick), *grace_record(), *probe_records(), *reflection_records(options.quick)]
+    print_records(found)
+    if options.json:
+        write_records(options.json, found)
+
+
+if __name__ == "__main__":
+    main()
