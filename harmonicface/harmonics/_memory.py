@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from harmonicface.errors import HarmonicFaceError
 CONTAINER_LIMIT = Path("/sys/fs/cgroup/memory.max")
 
 
+@cache
 def physical_memory() -> int:
     """Return the bytes of memory that this process may use: the machine's, or its container's if that is less.
 

@@ -64,13 +64,13 @@ def real_harmonics(directions: ArrayLike, order: int, out: Floats | None = None)
         raise HarmonicFaceError(f"directions: expected vectors of shape (..., 3), got {_validate.describe(vectors)}")
     out = _place(out, (count(order), *vectors.shape[:-1]), vectors.dtype, order)
     flat, rows = vectors.reshape(-1, 3), out.reshape(len(out), -1)
-    shares = min(THREADS, _cores(), rows.size // THREADED_SIZE + 1)
-    bounds = [len(flat) * share // shares for share in range(shares + 1)]
+    shares = 1 if rows.size < THREADED_SIZE else min(THREADS, _cores())
     if shares == 1:
         _fill(flat, rows, order)
     else:
+        bounds = [len(flat) * share // shares for share in range(shares + 1)]
+        pieces = [slice(*pair) for pair in pairwise(bounds)]
         with ThreadPoolExecutor(shares) as pool:
-            pieces = [slice(*pair) for pair in pairwise(bounds)]
             list(pool.map(lambda piece: _fill(flat[piece], rows[:, piece], order), pieces))
     return out
 

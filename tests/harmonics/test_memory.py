@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,14 @@ import pytest
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics import _memory
+from harmonicface.harmonics._memory import physical_memory
+
+
+@pytest.fixture(autouse=True)
+def ask_the_system_again() -> Iterator[None]:
+    physical_memory.cache_clear()
+    yield
+    physical_memory.cache_clear()
 
 
 def test_what_fits_is_let_through() -> None:
@@ -37,14 +46,16 @@ def test_a_system_that_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_container_may_hold_less_than_the_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = tmp_path / "memory.max"
     monkeypatch.setattr(_memory, "CONTAINER_LIMIT", limit)
-    machine = _memory.physical_memory()
+    machine = physical_memory()
     limit.write_text("123456\n")
-    assert _memory.physical_memory() == 123456
+    physical_memory.cache_clear()
+    assert physical_memory() == 123456
     limit.write_text("max\n")
-    assert _memory.physical_memory() == machine
+    physical_memory.cache_clear()
+    assert physical_memory() == machine
 
 
 def test_a_system_that_does_not_tell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_memory, "CONTAINER_LIMIT", tmp_path / "nothing")
     monkeypatch.delattr(os, "sysconf")
-    assert _memory.physical_memory() == 2**63 - 1
+    assert physical_memory() == 2**63 - 1
