@@ -21,8 +21,8 @@ SCALE = math.sqrt(MIXED)
 ZONAL = math.sqrt(5 / (16 * math.pi))
 
 
-def nine_harmonics(size: int, dtype: np.dtype[Any]) -> Kernel:
-    """Return a function that writes the nine harmonics of up to `size` directions, (n, 3) into (9, n).
+def low_harmonics(order: int, size: int, dtype: np.dtype[Any]) -> Kernel:
+    """Return a function that writes the harmonics of order 0, 1 or 2 of up to `size` directions, (n, 3) into (k, n).
 
     Three rows of scratch, no temporaries, and as few calls as possible, since each costs as much as thousands of
     numbers. The function returns the least and the largest squared length of the directions (NaN if one is not a
@@ -39,14 +39,17 @@ def nine_harmonics(size: int, dtype: np.dtype[Any]) -> Kernel:
         np.multiply(directions.T[1:], scale, out=planes[:2])
         np.multiply(directions.T[0], scale, out=x)
         out[0] = constant
-        np.multiply(planes, linear, out=out[1:4])
-        np.multiply(planes[1:], y, out=out[5:3:-1])  # yz and xy
-        np.multiply(x, z, out=out[7])
+        if order >= 1:
+            np.multiply(planes, linear, out=out[1:4])
+        if order == 2:
+            np.multiply(planes[1:], y, out=out[5:3:-1])  # yz and xy
+            np.multiply(x, z, out=out[7])
         np.multiply(planes, planes, out=planes)  # squares from here on
-        np.multiply(z, zonal, out=out[6])
-        np.subtract(out[6], offset, out=out[6])
-        np.subtract(x, y, out=out[8])
-        np.multiply(out[8], half, out=out[8])
+        if order == 2:
+            np.multiply(z, zonal, out=out[6])
+            np.subtract(out[6], offset, out=out[6])
+            np.subtract(x, y, out=out[8])
+            np.multiply(out[8], half, out=out[8])
         np.add(x, y, out=x)
         np.add(x, z, out=x)
         return np.minimum.reduce(x) / MIXED, np.maximum.reduce(x) / MIXED
@@ -80,9 +83,10 @@ def _fill_mode(out: Floats, z: Floats, cosine: Floats, sine: Floats, mode: int, 
     for degree in range(mode, order + 1):
         if degree > mode:
             step, back = recursion(degree, mode)
-            following = step * z * current
+            following = z * current
             if below is not None:
-                following -= step * back * below
+                following -= back * below
+            following *= step
             below, current = current, following
         centre = degree * (degree + 1)
         np.multiply(current, cosine, out=out[centre + mode])

@@ -13,11 +13,11 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics import _memory
-from harmonicface.harmonics._blocks import all_harmonics, nine_harmonics
+from harmonicface.harmonics._blocks import all_harmonics, low_harmonics
 from harmonicface.harmonics.indexing import count
 
-NINE_BLOCK = 1 << 16  # directions at once: few calls, and 6 MB of doubles that stay in the last cache
-BLOCK = 1 << 12
+LOW_BLOCK = 1 << 16  # order 2 and less: directions at once: few calls, and 6 MB of doubles that stay in the last cache
+BLOCK = 1 << 13
 THREADS = 4  # more of them wait for the memory
 THREADED_SIZE = 1 << 20  # numbers below which starting threads costs more than it saves
 LENGTH_TOLERANCE = 2e-3  # of the squared length, as in `_validate.unit_normals`
@@ -87,8 +87,8 @@ def _place(out: Floats | None, shape: tuple[int, ...], dtype: np.dtype[np.floati
 
 def _fill(directions: Floats, out: Floats, order: int) -> None:
     """Write the harmonics block by block; lengths are checked where the block is in the cache anyway."""
-    size = max(1, min(len(directions), NINE_BLOCK if order == 2 else BLOCK))
-    write = nine_harmonics(size, directions.dtype) if order == 2 else all_harmonics(order)
+    size = max(1, min(len(directions), LOW_BLOCK if order <= 2 else BLOCK))
+    write = low_harmonics(order, size, directions.dtype) if order <= 2 else all_harmonics(order)
     with np.errstate(over="ignore", invalid="ignore"):  # what these would tell is told by the lengths
         for first in range(0, len(directions), size):
             block = directions[first : first + size]

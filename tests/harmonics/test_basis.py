@@ -169,7 +169,7 @@ def test_a_place_that_does_not_fit(out: np.ndarray) -> None:
 def test_the_same_whatever_the_blocks_and_threads(order: int, dtype: type, monkeypatch: pytest.MonkeyPatch) -> None:
     directions = random_directions(5000).astype(dtype)
     whole = real_harmonics(directions, order)
-    monkeypatch.setattr(basis, "NINE_BLOCK", 700)
+    monkeypatch.setattr(basis, "LOW_BLOCK", 700)
     monkeypatch.setattr(basis, "BLOCK", 700)
     assert_array_equal(real_harmonics(directions, order), whole)
     monkeypatch.setattr(basis, "THREADED_SIZE", 1)
@@ -183,7 +183,7 @@ def test_the_same_whatever_the_blocks_and_threads(order: int, dtype: type, monke
 def test_one_bad_vector_is_found_in_any_block(
     order: int, bad: float, place: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(basis, "NINE_BLOCK", 1000)
+    monkeypatch.setattr(basis, "LOW_BLOCK", 1000)
     monkeypatch.setattr(basis, "BLOCK", 1000)
     directions = random_directions(5000).astype(np.float32)
     directions[place] = [0, 0, bad]
