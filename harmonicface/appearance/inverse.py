@@ -197,11 +197,11 @@ def _known(solutions: list[Solution], order: int, size: int) -> tuple[LightMode,
 def _named(spaces: list[NDArray[np.float64]], reason: str, order: int, size: int) -> list[LightMode]:
     """Name a space of each channel, once if it is the same in all."""
     same = all(np.allclose(space.T @ space, spaces[0].T @ spaces[0]) for space in spaces)
-    modes = []
+    places, modes = shown(order), []
     for channel, space in enumerate(spaces[:1] if same else spaces):
         for row in simple_basis(space):
             direction = np.zeros(size)
-            direction[shown(order)] = row
+            direction[places] = row
             modes.append(LightMode(direction, reason, None if same else channel))
     return modes
 
