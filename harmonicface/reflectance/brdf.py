@@ -243,8 +243,15 @@ def values(brdf: Brdf, incoming: Floats, outgoing: Floats, form: str = "reciproc
     check_form(form)
     if not callable(brdf):
         raise HarmonicFaceError(f"brdf: expected a function of (incoming, outgoing), got {_validate.describe(brdf)}")
+    incoming, outgoing = _validate.vectors(incoming, "incoming"), _validate.vectors(outgoing, "outgoing")
+    try:
+        shape = np.broadcast_shapes(incoming.shape, outgoing.shape)[:-1]
+    except ValueError:
+        raise HarmonicFaceError(
+            f"outgoing: expected directions that broadcast with incoming ones of shape {incoming.shape}, "
+            f"got {_validate.describe(outgoing)}"
+        ) from None
     result = _validate.floats(brdf(incoming, outgoing), "brdf's values")
-    shape = np.broadcast_shapes(incoming.shape, outgoing.shape)[:-1]
     if result.shape != shape:
         raise HarmonicFaceError(f"brdf: expected values of shape {shape}, got {_validate.describe(result)}")
     _validate.finite(result, "brdf's values")

@@ -10,7 +10,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count, degrees, modes, order_of
 from harmonicface.reflectance._brdf_quadrature import Complexes, Reals, to_real_rows
-from harmonicface.reflectance.local_light import local_light, real_light
+from harmonicface.reflectance.local_light import local_light, oriented, real_light, tangent_frames
 
 EXTENSIONS = ("zero", "even", "odd")
 
@@ -118,22 +118,12 @@ def evaluate(
     coefficients, table = real_light(light), brdf_array(brdf)
     kept = min(len(coefficients), len(table) if table.ndim == 2 else len(table) ** 2)
     coefficients = coefficients[:kept]
-    normals, outgoing = _validate.unit_normals(normals, "normals"), _validate.unit_normals(outgoing, "outgoing")
-    turned = np.broadcast_shapes(normals.shape[:-1], np.shape(gamma))
-    try:
-        shape = np.broadcast_shapes(turned, outgoing.shape[:-1])
-    except ValueError:
-        raise HarmonicFaceError(
-            f"outgoing: expected directions that broadcast with normals of shape {normals.shape}, "
-            f"got {_validate.describe(outgoing)}"
-        ) from None
+    (normals, turns), outgoing = oriented(normals, gamma), _validate.unit_normals(outgoing, "outgoing")
+    turned = np.broadcast_shapes(normals.shape[:-1], turns.shape)
+    shape = _together(turned, outgoing.shape[:-1], "outgoing")
     kernels = outgoing_kernels(table[: order_of(kept) + 1] if table.ndim == 3 else table[:kept], outgoing, extension)
-    seen = local_light(coefficients.reshape(kept, -1), normals, gamma)
-    if len(turned) == outgoing.ndim - 1 == 2 and turned[1] == 1 and outgoing.shape[0] == 1:
-        result = np.moveaxis(np.tensordot(seen[:, :, 0], kernels[:, 0], (0, 0)), 1, 2)
-    else:
-        result = _sum_of_products(seen, kernels, shape)
-    return result.reshape((*shape, *coefficients.shape[1:]))
+    seen = local_light(coefficients.reshape(kept, -1), normals, turns)
+    return _products(seen, kernels, shape).reshape((*shape, *coefficients.shape[1:]))
 
 
 def evaluate_at_angle(light: ArrayLike, kernel: ArrayLike, normals: ArrayLike, azimuths: ArrayLike) -> Reals:
@@ -183,9 +173,69 @@ def evaluate_at_angle(light: ArrayLike, kernel: ArrayLike, normals: ArrayLike, a
     mode = modes(order)
     column = mode.reshape(-1, *[1] * angle.ndim)
     waves = np.where(column < 0, np.sin(-column * angle), np.cos(column * angle)) * np.where(column, np.sqrt(2), 1)
-    weights = table[degrees(order), np.abs(mode)].reshape(column.shape) / np.sqrt(2 * np.pi)
-    shape = np.broadcast_shapes(seen.shape[1:-1], angle.shape)
-    return _sum_of_products(seen, weights * waves, shape).reshape((*shape, *coefficients.shape[1:]))
+    signs = np.where(mode % 2, -1.0, 1.0) / np.sqrt(
+        2 * np.pi
+    )  # the phase that complex harmonics have and real ones not
+    weights = (signs * table[degrees(order), np.abs(mode)]).reshape(column.shape)
+    shape = _together(seen.shape[1:-1], angle.shape, "azimuths")
+    return _products(seen, weights * waves, shape).reshape((*shape, *coefficients.shape[1:]))
+
+
+def evaluate_under_lamp(
+    lamp: ArrayLike,
+    brdf: ArrayLike,
+    normals: ArrayLike,
+    outgoing: ArrayLike,
+    gamma: ArrayLike = 0.0,
+    extension: str = "even",
+) -> Reals:
+    r"""Evaluate the reflected light of one distant lamp of unit irradiance, dark exactly where it is below the horizon.
+
+    .. math:: B = \sum_{lq,pq} \rho_{lq,pq}\, Y^*_{lq}(R^T w)\, Y_{pq}(\theta_o, \phi_o) \quad (n \cdot w > 0)
+
+    The coefficients of a lamp do not decay, so that a BRDF which jumps at the horizon makes `evaluate` ring at the
+    terminator, and the error falls as the square root of the order only. But where a lamp is up is known: here the
+    series of the BRDF is continued below the horizon in both directions (see `outgoing_kernels`) and cut there.
+
+    Parameters
+    ----------
+    lamp
+        (3,) unit vector to the lamp, in global axes.
+    brdf, normals, outgoing, gamma
+        See `evaluate`.
+    extension
+        "even", "odd" or "zero", for both directions.
+
+    Returns
+    -------
+    array
+        (...), B cos(theta_o) for a reciprocal BRDF.
+
+    Raises
+    ------
+    HarmonicFaceError
+        As for `evaluate`; a lamp that is not one unit vector.
+
+    Examples
+    --------
+    >>> from harmonicface.reflectance.brdf import Lambertian
+    >>> from harmonicface.reflectance.brdf_coefficients import isotropic_coefficients
+    >>> matte, up = isotropic_coefficients(Lambertian(), order=1), [0.0, 0.0, 1.0]
+    >>> float(evaluate_under_lamp([0.0, 0.6, 0.8], matte, up, up, extension="odd").round(6)), round(0.8 / np.pi, 6)
+    (0.254648, 0.254648)
+    """
+    direction = _validate.unit_normals(lamp, "lamp").astype(np.float64)
+    if direction.shape != (3,):
+        raise HarmonicFaceError(f"lamp: expected one direction (3,), got {_validate.describe(direction)}")
+    incoming = np.einsum("...ji,j->...i", tangent_frames(normals, gamma), direction)
+    outgoing = _validate.unit_normals(outgoing, "outgoing")
+    shape = _together(incoming.shape[:-1], outgoing.shape[:-1], "outgoing")
+    kernels = outgoing_kernels(brdf, outgoing, extension)
+    seen = np.asarray(real_harmonics(incoming, order_of(len(kernels))), np.float64)
+    if extension != "zero":
+        seen *= _parity(order_of(len(kernels)), extension).reshape(-1, *[1] * (seen.ndim - 1))
+    seen *= incoming[..., 2] > 0
+    return _products(seen[..., None], kernels, shape)[..., 0]
 
 
 def brdf_array(brdf: ArrayLike) -> Complexes | Reals:
@@ -214,6 +264,14 @@ def real_brdf(coefficients: Complexes | Reals) -> Reals:
     return np.ascontiguousarray(real.real)
 
 
+def _together(normals: tuple[int, ...], others: tuple[int, ...], name: str) -> tuple[int, ...]:
+    """Return the shape of normals with something else for each."""
+    try:
+        return np.broadcast_shapes(normals, others)
+    except ValueError:
+        raise HarmonicFaceError(f"{name}: expected ones that broadcast with {normals} normals, got {others}") from None
+
+
 def _isotropic_kernels(coefficients: Reals, harmonics: Reals) -> Reals:
     """Return the sums over p for every (l, q), one product a mode."""
     order, outgoing_order = coefficients.shape[0] - 1, coefficients.shape[1] - 1
@@ -233,8 +291,10 @@ def _parity(order: int, extension: str) -> Reals:
     return np.where(odd == (extension == "odd"), 2.0, 0.0)
 
 
-def _sum_of_products(seen: Reals, kernels: Reals, shape: tuple[int, ...]) -> Reals:
-    """Return the sum over harmonics of (k, ..., channels) times (k, ...), broadcast."""
+def _products(seen: Reals, kernels: Reals, shape: tuple[int, ...]) -> Reals:
+    """Return the sum over harmonics of (k, ..., channels) times (k, ...), broadcast to the shape."""
+    if seen.ndim == 4 and seen.shape[2] == 1 and kernels.ndim == 3 and kernels.shape[1] == 1:
+        return np.moveaxis(np.tensordot(seen[:, :, 0], kernels[:, 0], (0, 0)), 1, 2)
     lead = len(shape)
     seen = seen.reshape(len(seen), *[1] * (lead + 2 - seen.ndim), *seen.shape[1:])
     kernels = kernels.reshape(len(kernels), *[1] * (lead + 1 - kernels.ndim), *kernels.shape[1:])

@@ -16,6 +16,7 @@ from harmonicface.reflectance._brdf_quadrature import Reals
 from harmonicface.reflectance.lightfield import normalizations
 
 ROUNDING = 1e-7
+VANISHING = 0.01  # a light is known to vanish at a degree if this fraction of its constant part would be seen there
 
 
 @dataclass(frozen=True)
@@ -102,11 +103,11 @@ def factor_light_field(
     brdf = rows * _scales(ratios, weights, tied)[:, None, None]
     brdf, brdf_known = _reciprocal(brdf, _light_of(fields, brdf), tied)
     light = _light_of(fields, brdf, tied)
-    light_tied = tied[degrees(order)]
-    light_known = light_tied.copy()
+    light_known = tied[degrees(order)]
     ill_posed = {}
     for degree in np.flatnonzero(~tied):
-        answers = degree < fields.shape[1] and np.abs(fields[light_tied, degree]).max() > noise  # at p = l
+        faint = VANISHING * np.abs(light[0]) * normalizations(order)[degree] * np.abs(brdf[degree]).max()
+        answers = faint > noise  # a light so faint would still be seen
         ill_posed[int(degree)] = _reason(bool(strengths[degree] > noise), bool(answers))
         light_known[degree**2 : (degree + 1) ** 2] = strengths[degree] <= noise and answers
     scale = light[0] * np.sqrt(4 * np.pi)
@@ -118,8 +119,7 @@ def factor_light_field(
             f"got one that is off by {residual:.2g} in relative L2, more than {allowed:.2g} for this tolerance"
         )
     if ill_posed and not allow_ill_posed:
-        told = "; ".join(f"ill-posed at l = {degree}: {reason}" for degree, reason in ill_posed.items())
-        raise HarmonicFaceError(f"light field: {told}")
+        raise HarmonicFaceError(f"light field: {_told(ill_posed)}")
     return Factorization(light, brdf, light_known, brdf_known, ill_posed, residual)
 
 
@@ -249,6 +249,15 @@ def _in_norms(difference: Reals, fields: Reals) -> float:
     order, outgoing_order = order_of(len(fields)), fields.shape[1] - 1
     doubled = _doubled(fields.shape[2]) * _pattern(order, outgoing_order)[degrees(order)]
     return float(np.sqrt((difference**2 * doubled).sum() / (fields**2 * doubled).sum()))
+
+
+def _told(ill_posed: dict[int, str]) -> str:
+    """Return all ill-posed degrees in one line, those with the same reason together."""
+    parts = []
+    for reason in dict.fromkeys(ill_posed.values()):
+        where = ", ".join(str(degree) for degree in ill_posed if ill_posed[degree] == reason)
+        parts.append(f"ill-posed at l = {where}: {reason}")
+    return "; ".join(parts)
 
 
 def _reason(seen: bool, answers: bool) -> str:

@@ -86,7 +86,7 @@ def light_field_at_angle(light: ArrayLike, kernel: ArrayLike) -> Complexes:
     Returns
     -------
     array
-        ((order + 1)^2, order + 1) complex, for q >= 0.
+        ((order + 1)^2, order + 1) complex, for q >= 0: B_lm(-q) = (-1)^q B_lmq.
 
     Raises
     ------

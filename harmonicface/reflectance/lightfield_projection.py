@@ -16,7 +16,7 @@ from harmonicface.harmonics.complex import to_complex
 from harmonicface.harmonics.indexing import count
 from harmonicface.reflectance._brdf_quadrature import Complexes, Reals, directions
 from harmonicface.reflectance.lightfield import normalizations
-from harmonicface.reflectance.local_light import degree_in_frames
+from harmonicface.reflectance.local_light import degree_in_frames, turns_about_z
 
 Field = Callable[[NDArray[Any], NDArray[Any]], Any]
 
@@ -73,11 +73,12 @@ def project_light_field(
         )
     outward = (samples * weights) @ real_harmonics(points, outgoing_order).T * weights[:, None]  # normals, pq
     alpha, beta = np.arccos(points[:, 2]), np.arctan2(points[:, 1], points[:, 0])
+    waves = [turns_about_z(angle, order) for angle in (alpha, beta, np.zeros_like(alpha))]
     orders = min(order, outgoing_order) + 1
     result = np.zeros((count(order), outgoing_order + 1, orders))
     for degree in range(order + 1):
         every = np.eye(2 * degree + 1)[:, None]
-        turned = degree_in_frames(every, alpha, beta, np.zeros_like(alpha), order)  # s, normals, m
+        turned = degree_in_frames(every, waves)  # s, normals, m
         result[degree**2 : (degree + 1) ** 2] = _coupled(turned, outward, orders)
         result[degree**2 : (degree + 1) ** 2] /= normalizations(degree)[degree]
     return np.asarray(to_complex(result), np.complex128)

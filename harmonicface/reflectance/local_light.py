@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -42,8 +43,7 @@ def tangent_frames(normals: ArrayLike, gamma: ArrayLike = 0.0) -> Reals:
            [ 0.,  1.,  0.],
            [-1.,  0.,  0.]])
     """
-    unit = _validate.unit_normals(normals, "normals").astype(np.float64)
-    turn = _validate.finite(gamma, "gamma")
+    unit, turn = oriented(normals, gamma)
     x, y, z = np.moveaxis(unit, -1, 0)
     sine = np.hypot(x, y)
     along = np.stack([np.where(sine > 0, x, 1.0), y], axis=-1) / np.where(sine > 0, sine, 1.0)[..., None]
@@ -84,28 +84,36 @@ def local_light(light: ArrayLike, normals: ArrayLike, gamma: ArrayLike = 0.0) ->
     array([ 0.,  0.,  0., -1.])
     """
     coefficients = real_light(light)
-    unit = _validate.unit_normals(normals, "normals").astype(np.float64)
+    unit, turn = oriented(normals, gamma)
     x, y, z = np.moveaxis(unit, -1, 0)
-    turn, alpha, beta = np.broadcast_arrays(
-        _validate.finite(gamma, "gamma"), np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)
-    )
+    sine = np.hypot(x, y)
+    beta = np.where(sine > 0, np.arctan2(y, x), 0.0)  # not pi for x = -0
+    turn, alpha, beta = np.broadcast_arrays(turn, np.arctan2(sine, z), beta)
     columns = coefficients.reshape(len(coefficients), 1, -1)
     order = order_of(len(columns))
     require(8 * len(columns) * turn.size * columns.shape[2], f"light of order {order} at {turn.size} normals")
     result = np.empty((len(columns), turn.size, columns.shape[2]))
+    waves = [turns_about_z(angle.ravel(), order) for angle in (alpha, beta, turn)]
     for degree in range(order + 1):
         rows = slice(degree**2, (degree + 1) ** 2)
-        result[rows] = degree_in_frames(columns[rows], alpha.ravel(), beta.ravel(), turn.ravel(), order)
+        result[rows] = degree_in_frames(columns[rows], waves)
     return result.reshape((len(columns), *turn.shape, *coefficients.shape[1:]))
 
 
-def degree_in_frames(columns: Reals, alpha: Reals, beta: Reals, gamma: Reals, order: int) -> Reals:
+def turns_about_z(angles: Reals, order: int) -> Reals:
+    """Return cos(m angle) and sin(m angle) of n turns, (2, 2 order + 1, n, 1)."""
+    modes = (np.arange(-order, order + 1)[:, None] * angles)[..., None]
+    return np.stack([np.cos(modes), np.sin(modes)])
+
+
+def degree_in_frames(columns: Reals, waves: Sequence[Reals]) -> Reals:
     """Turn the coefficients of one degree, (2l + 1, 1, channels), into n frames: (2l + 1, n, channels).
 
-    A turn about y is one about z between two tippings of the z axis, so that a frame costs two products with the same
-    matrix whatever its angles.
+    `waves` are those of alpha, beta and gamma. A turn about y is one about z between two tippings of the z axis, so
+    that a frame costs two products with the same matrix whatever its angles.
     """
-    tipped = _tipping(order)[len(columns) // 2]
+    alpha, beta, gamma = waves
+    tipped = _tipping(alpha.shape[1] // 2)[len(columns) // 2]
     seen = np.tensordot(tipped, _turned(columns, beta), (0, 0))
     return _turned(np.tensordot(tipped, _turned(seen, alpha), (1, 0)), gamma)
 
@@ -120,11 +128,26 @@ def real_light(light: ArrayLike) -> Reals:
     return coefficients
 
 
-def _turned(rows: Reals, angles: Reals) -> Reals:
+def oriented(normals: ArrayLike, gamma: ArrayLike) -> tuple[Reals, Reals]:
+    """Return unit normals and the turns about them, which broadcast."""
+    unit = _validate.unit_normals(normals, "normals").astype(np.float64)
+    turn = _validate.finite(gamma, "gamma").astype(np.float64)
+    try:
+        np.broadcast_shapes(unit.shape[:-1], turn.shape)
+    except ValueError:
+        raise HarmonicFaceError(
+            f"gamma: expected angles that broadcast with normals of shape {unit.shape}, got {_validate.describe(turn)}"
+        ) from None
+    return unit, turn
+
+
+def _turned(rows: Reals, waves: Reals) -> Reals:
     """Return the (2l + 1, points, channels) coefficients of a function of Rz(angle) w."""
-    modes = np.arange(-(len(rows) // 2), len(rows) // 2 + 1)
-    angle = (modes[:, None] * angles)[..., None]
-    return np.asarray(np.cos(angle) * rows + np.sin(angle) * rows[::-1])
+    degree, order = len(rows) // 2, waves.shape[1] // 2
+    cosines, sines = waves[:, order - degree : order + degree + 1]
+    result = cosines * rows
+    result += sines * rows[::-1]
+    return np.asarray(result)
 
 
 @lru_cache(maxsize=4)
