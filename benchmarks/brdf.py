@@ -28,6 +28,7 @@ STEEPEST = math.radians(70)
 TURN = 0.4  # of the tangent of the anisotropic material
 TARGET = 1e-2  # what is asked of either side
 GRIDS = (6, 8, 10, 12, 16, 20, 24, 32)  # polar angles of the integral
+FINEST = 72
 ORDERS = (4, 6, 8, 10, 12, 16, 20, 24, 32)
 MATERIALS = {
     "Phong 20": (Phong(20), ORDERS),
@@ -87,7 +88,7 @@ def materials(count: int) -> list[Record]:
         expand = anisotropic_coefficients if isinstance(brdf, Ward) else isotropic_coefficients
         table = expand(brdf, max(orders))
         expanding = best_seconds(lambda brdf=brdf, expand=expand: expand(brdf, 12), repeats=1)
-        expected = integral(brdf, normals, outgoing, 120)
+        expected = integral(brdf, normals, outgoing, FINEST)
         errors = {nodes: relative(integral(brdf, normals, outgoing, nodes), expected) for nodes in GRIDS}
         nodes = next(nodes for nodes in GRIDS if errors[nodes] <= TARGET)
         peer = best_seconds(lambda brdf=brdf, nodes=nodes: integral(brdf, normals, outgoing, nodes), repeats=3)

@@ -26,16 +26,16 @@ BLOCK = 2**19
 def settled(expand: Callable[[int], Expansion], start: int, most: int, tolerance: float) -> Expansion:
     """Return an expansion on a grid so fine that the last refinement changed nothing by more than the tolerance."""
     _validate.positive(tolerance, "tolerance")
-    nodes = start
+    nodes, most = start, max(most, math.ceil(GROWTH * start))
     result = expand(nodes)
     change = math.inf
     while change > tolerance:
-        if nodes >= max(most, start + 1):
+        if nodes >= most:
             raise HarmonicFaceError(
                 f"brdf: expected coefficients that settle to {tolerance:.2g} of the largest, "
                 f"got a change of {change:.2g} at {nodes} angles; give a smoother BRDF or a larger tolerance"
             )
-        nodes = max(min(math.ceil(GROWTH * nodes), most), nodes + 1)
+        nodes = min(math.ceil(GROWTH * nodes), most)
         finer = expand(nodes)
         largest = np.abs(finer).max()
         change = float(np.abs(finer - result).max() / largest) if largest else 0.0

@@ -38,8 +38,8 @@ multiply the orthonormal functions Lambda_l^-1 D^l_mq(alpha, beta, 0) Y_pq and s
 equations 25-27 and 32-53. Where it cannot be followed to the letter: (a) of the microfacet model (equation 83)
 only the reciprocal form has finite coefficients; (b) reciprocity of an anisotropic BRDF reads
 rho_ln,pq = conj(rho_pq,ln), the paper leaves out the conjugate (section 4.3.2); (c) the mirror (equation 66) is
-(-1)^q delta_lp only if it is taken over the whole sphere: over the half sphere the diagonal is 1/2 and even l - p
-stay zero while odd ones do not vanish; (d) its Phong model (equation 75) is a transfer function without a horizon, not
+(-1)^q delta_lp only if it is taken over the whole sphere: over the half sphere the diagonal is (-1)^q / 2, and where
+l - p is odd nothing vanishes; (d) its Phong model (equation 75) is a transfer function without a horizon, not
 reciprocal as a BRDF: here `Phong` is the reciprocal one.
 """
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -34,6 +34,7 @@ def half_sphere(nodes: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("model", MODELS)
 @given(polar, azimuth, polar, azimuth)
+@settings(deadline=None)
 def test_reciprocal_and_not_negative(model, theta: float, phi: float, other: float, turned: float) -> None:
     incoming, outgoing = direction(theta, phi), direction(other, turned)
     assert model(incoming, outgoing) >= 0
@@ -41,6 +42,7 @@ def test_reciprocal_and_not_negative(model, theta: float, phi: float, other: flo
 
 
 @given(polar, azimuth, polar, azimuth)
+@settings(deadline=None)
 def test_phong_is_a_power_of_the_cosine_with_the_mirror_image(
     theta: float, phi: float, other: float, turned: float
 ) -> None:
@@ -51,6 +53,7 @@ def test_phong_is_a_power_of_the_cosine_with_the_mirror_image(
 
 
 @given(polar, azimuth, polar, azimuth)
+@settings(deadline=None)
 def test_half_way_lobes(theta: float, phi: float, other: float, turned: float) -> None:
     incoming, outgoing = direction(theta, phi), direction(other, turned)
     half = (incoming + outgoing) / np.linalg.norm(incoming + outgoing)

@@ -30,6 +30,7 @@ def normal(alpha: float, beta: float) -> np.ndarray:
 
 
 @given(st.floats(1e-6, math.pi - 1e-6), angle, angle)
+@settings(deadline=None)
 def test_frames_are_the_papers_rotation(alpha: float, beta: float, gamma: float) -> None:
     expected = Rotation.from_euler("ZYZ", [beta, alpha, gamma]).as_matrix()
     assert_allclose(tangent_frames(normal(alpha, beta), gamma), expected, rtol=0, atol=1e-9)
@@ -48,7 +49,7 @@ def test_frames_broadcast_with_the_angles() -> None:
 
 
 @given(st.floats(0, math.pi), angle, angle)
-@settings(max_examples=30)
+@settings(max_examples=30, deadline=None)
 def test_the_local_light_is_the_light_at_turned_directions(alpha: float, beta: float, gamma: float) -> None:
     light = np.random.default_rng(1).normal(size=100)
     points = unit(20)
