@@ -5,10 +5,11 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
 from typing import Any
 
 import numpy as np
+import OpenEXR
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
@@ -35,8 +36,6 @@ def exr_pixels(data: bytes) -> NDArray[Any]:
     HarmonicFaceError
         A file that is cut short or corrupt, channels that are no picture, subsampled or of integers.
     """
-    import OpenEXR  # 0.1 s that nobody else should wait for
-
     with _silence():
         try:
             part = OpenEXR.File(io.BytesIO(data), separate_channels=True, num_threads=0)
@@ -66,7 +65,10 @@ def _picture_channels(names: list[str]) -> tuple[str, ...]:
 @contextmanager
 def _silence() -> Iterator[None]:
     """Keep the library from printing about bad files, below Python and through it: the error says it."""
-    kept = [(stream, os.dup(stream)) for stream in (1, 2)]
+    kept = []
+    for stream in (1, 2):
+        with suppress(OSError):  # a stream that is closed is silent already
+            kept.append((stream, os.dup(stream)))
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
         for stream, _ in kept:

@@ -1,24 +1,32 @@
-"""Files are replaced whole or not at all."""
+"""Files are replaced whole or not at all, and one writer at a time."""
 
 from __future__ import annotations
 
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from harmonicface.errors import HarmonicFaceError
+
+try:
+    import fcntl
+except ImportError:  # not a POSIX system: no locks there
+    fcntl = None  # type: ignore[assignment]
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path beside `path`; what is written there takes its place when the block ends well.
 
+    A process that is killed while it writes leaves the old file and its temporary one; the next writer of the same
+    file removes that, because the dead process holds no lock on it any more.
+
     Parameters
     ----------
     path
-        The file to write. Its folder must exist.
+        The file to write; of a symbolic link the file that it points to. Its folder must exist.
 
     Yields
     ------
@@ -30,20 +38,63 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     HarmonicFaceError
         The folder does not exist or cannot be written to, or the disk is full.
     """
-    target = Path(path)
     try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.stem[:50]}-", suffix=target.suffix)
-    except OSError as error:
-        raise HarmonicFaceError(f"cannot write {target}: {error.strerror}") from None
-    os.close(handle)
+        target = Path(path).resolve()
+        prefix = f".{target.stem[:50]}.partial-"
+        _remove_abandoned(target.parent, prefix, target.suffix)
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=prefix, suffix=target.suffix)
+    except (OSError, ValueError) as error:  # ValueError: a null character
+        raise HarmonicFaceError(f"cannot write {path!s:.300}: {_reason(error)}") from None
     temporary = Path(name)
     try:
+        _lock(handle)
         yield temporary
         _publish(temporary, target)
     except OSError as error:
-        raise HarmonicFaceError(f"cannot write {target}: {error.strerror or error}") from None
+        raise HarmonicFaceError(f"cannot write {target}: {_reason(error)}") from None
     finally:
         temporary.unlink(missing_ok=True)
+        os.close(handle)
+
+
+@contextmanager
+def alone_in(folder: str | os.PathLike[str]) -> Iterator[None]:
+    """Let one process at a time change the files of a folder: read, change, write, without losing what another wrote.
+
+    The lock is the system's own on the folder: nothing is left behind, and a dead process holds none.
+
+    Raises
+    ------
+    HarmonicFaceError
+        The folder is not there.
+    """
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except (OSError, ValueError) as error:
+        raise HarmonicFaceError(f"expected a folder {folder!s:.300}, got none: {_reason(error)}") from None
+    try:
+        if fcntl is not None:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+def _remove_abandoned(folder: Path, prefix: str, suffix: str) -> None:
+    """Remove temporary files whose writers are dead: nobody holds the lock on them."""
+    if fcntl is None:
+        return
+    for path in folder.iterdir():
+        if path.name.startswith(prefix) and path.suffix == suffix:
+            with suppress(OSError), path.open("rb") as stream:
+                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                path.unlink()
+
+
+def _lock(handle: int) -> None:
+    """Show other writers that this temporary file is being written."""
+    if fcntl is not None:
+        fcntl.flock(handle, fcntl.LOCK_EX)
 
 
 def _publish(temporary: Path, target: Path) -> None:
@@ -60,3 +111,8 @@ def _publish(temporary: Path, target: Path) -> None:
             os.fsync(folder)
         finally:
             os.close(folder)
+
+
+def _reason(error: Exception) -> str:
+    """Return what the system says, without the path that it repeats."""
+    return getattr(error, "strerror", None) or str(error)

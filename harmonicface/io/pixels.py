@@ -62,8 +62,8 @@ def read_pixels(path: str | os.PathLike[str]) -> Pixels:
         raise HarmonicFaceError(f"{file}: expected an image ({' '.join(ENDINGS)}), got the ending {file.suffix!r}")
     try:
         data = file.read_bytes()
-    except OSError as error:
-        raise HarmonicFaceError(f"{file}: expected an image, got {error.strerror or error}") from None
+    except (OSError, ValueError) as error:  # ValueError: a null character
+        raise HarmonicFaceError(f"{file!s:.300}: expected an image, got {getattr(error, 'strerror', error)}") from None
     try:
         pixels = _decode(data, file.suffix.lower())
     except HarmonicFaceError as error:

@@ -17,19 +17,19 @@ def resampled(
 ) -> NDArray[np.float64]:
     """Return the mean radiance of each pixel of a map, from samples at most half of `spacing` (radians) apart.
 
-    Each sample counts with the solid angle of its part of the pixel, so the whole light keeps its strength.
+    Each sample counts with the area of its part of the pixel, so the whole light keeps its strength.
     """
-    each = max(1, math.ceil(2 * target.spacing(shape) / spacing))
-    fine = target.solid_angles((*shape[:-2], shape[-2] * each, shape[-1] * each))
-    total: float | Floats = 0.0
-    for down in range(each):
-        for across in range(each):
-            values = sample(target.directions(shape, (across + 0.5) / each, (down + 0.5) / each))
-            total = total + _each_colour(fine[..., down::each, across::each], values) * values
-    whole = np.maximum(target.solid_angles(shape), np.finfo(float).tiny)  # 0 outside the disc of a light probe
-    return np.asarray(total / _each_colour(whole, np.asarray(total)))
-
-
-def _each_colour(angles: NDArray[np.float64], values: Floats) -> NDArray[np.float64]:
-    """Give angles of pixels the shape of values that may have colours."""
-    return angles if angles.ndim == values.ndim else angles[..., None]
+    widest = float(np.sqrt(target.solid_angles(shape).max()))
+    each = max(1, math.ceil(2 * widest / spacing))
+    fractions = (np.arange(each) + 0.5) / each
+    total: Floats | float = 0.0
+    weights: Floats | float = 0.0
+    for down in fractions:
+        for across in fractions:
+            values = sample(target.directions(shape, across, down))
+            area = target.area_element(shape, across, down)
+            weight = area if area.ndim == values.ndim else area[..., None]
+            total = total + weight * values
+            weights = weights + weight
+    # outside the disc of a light probe there is no area and no light
+    return np.asarray(np.divide(total, weights, out=np.zeros_like(total), where=np.asarray(weights) > 0))

@@ -43,14 +43,20 @@ class BallLayout(Layout):
     def cap(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (1 - cos(angle)) / radius^2: the cap inside the radius, over 2 pi radius^2."""
 
+    @abstractmethod
+    def spread(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the area of sphere around a radius for the same area of picture, up to a factor."""
+
     def directions(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
-        size = shape[-1]
-        right = ((np.arange(size) + across) / size * 2 - 1)[None, :]
-        up = (1 - (np.arange(size) + down) / size * 2)[:, None]
+        right, up = _points(shape[-1], across, down)
         radius = np.hypot(right, up)
         angle = self.angle(np.minimum(radius, 1))
         scale = np.divide(np.sin(angle), radius, out=np.zeros_like(radius), where=radius > 0)
         return np.stack([right * scale, up * scale, self.forward * np.cos(angle)], axis=-1)
+
+    def area_element(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
+        radius = np.hypot(*_points(shape[-1], across, down))
+        return np.where(radius <= 1, self.spread(np.minimum(radius, 1)), 0.0)
 
     def solid_angles(self, shape: Shape) -> NDArray[np.float64]:
         r"""Return the solid angle of the part of each pixel that is inside the disc.
@@ -102,9 +108,9 @@ class AngularLayout(BallLayout):
     """A light probe: the centre looks away from the camera (-z), the rim behind it (+z), angles grow evenly with r.
 
     Debevec's angular map: the angle from -z is pi r, +x is to the right, +y up (Debevec, Rendering synthetic objects
-    into real scenes, 1998, and the Light Probe Image Gallery). The published table of nine coefficients and its
-    figures (Ramamoorthi & Hanrahan 2001) put +z at the centre instead: the mirror image of this, in which the
-    coefficients odd in z, L_10, L_2-1 and L_21, change their signs.
+    into real scenes, 1998, and the Light Probe Image Gallery). Figure 3 of Ramamoorthi & Hanrahan 2001 puts
+    +z at the centre instead: the mirror image of this, in which the coefficients odd in z, L_10, L_2-1 and L_21 up to
+    order 2, change their signs.
     """
 
     name = "angular"
@@ -118,6 +124,9 @@ class AngularLayout(BallLayout):
 
     def cap(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(np.pi**2 / 2 * np.sinc(radius / 2) ** 2)
+
+    def spread(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.sinc(radius)
 
 
 class MirrorBallLayout(BallLayout):
@@ -138,6 +147,15 @@ class MirrorBallLayout(BallLayout):
 
     def cap(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.full_like(radius, 2.0)
+
+    def spread(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.ones_like(radius)
+
+
+def _points(size: int, across: float, down: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a point in each pixel, from -1 to 1: (1, n) to the right and (n, 1) up."""
+    steps = np.arange(size)
+    return ((steps + across) / size * 2 - 1)[None, :], (1 - (steps + down) / size * 2)[:, None]
 
 
 def _turn(height: NDArray[np.float64], start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:

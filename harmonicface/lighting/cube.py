@@ -50,10 +50,12 @@ class CubeLayout(Layout):
             )
 
     def directions(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
-        size = shape[-1]
-        right = (np.arange(size) + across) / size * 2 - 1
-        below = (np.arange(size) + down) / size * 2 - 1
-        return np.stack([_toward(face, right[None, :], below[:, None]) for face in range(6)])
+        right, below = _points(shape[-1], across, down)
+        return np.stack([_toward(face, right, below) for face in range(6)])
+
+    def area_element(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
+        right, below = _points(shape[-1], across, down)
+        return np.broadcast_to((1 + right**2 + below**2) ** -1.5, shape)
 
     def solid_angles(self, shape: Shape) -> NDArray[np.float64]:
         """Return the solid angles of the squares, by the closed form of a rectangle seen from above its corner."""
@@ -109,6 +111,12 @@ def cross_of_faces(faces: Floats) -> Floats:
         row, column = WIDE_CROSS[name]
         cross[row * size : (row + 1) * size, column * size : (column + 1) * size] = face
     return cross
+
+
+def _points(size: int, across: float, down: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a point in each pixel of a face, from -1 to 1: (1, n) to the right and (n, 1) down."""
+    steps = np.arange(size)
+    return ((steps + across) / size * 2 - 1)[None, :], ((steps + down) / size * 2 - 1)[:, None]
 
 
 def _toward(face: int, right: NDArray[np.float64], below: NDArray[np.float64]) -> NDArray[np.float64]:

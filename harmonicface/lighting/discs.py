@@ -13,7 +13,7 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.harmonics.indexing import count, degrees
+from harmonicface.harmonics.indexing import degrees
 from harmonicface.lighting._rotation import rotation_matrix
 from harmonicface.lighting.light import Light
 
@@ -85,11 +85,9 @@ class DiscLight(Light):
         return np.asarray(np.multiply.outer(share, self.strength)).astype(unit.dtype)
 
     def coefficients(self, order: int = 2) -> Floats:
-        size = count(order)
-        strength = self.strength.reshape(1, -1).astype(np.float64)
-        integrals = _cap_integrals(math.radians(self.radius), order)[degrees(order), None]
-        result = 2 * integrals * real_harmonics(self.direction, order)[:, None] * strength
-        return np.asarray(result.reshape(size, *self.strength.shape))
+        harmonics = real_harmonics(self.direction, order)
+        integrals = _cap_integrals(math.radians(self.radius), order)[degrees(order)]
+        return np.asarray(np.multiply.outer(2 * integrals * harmonics, self.strength.astype(np.float64)))
 
     def rotated(self, rotation: Any) -> DiscLight:
         return replace(self, direction=rotation_matrix(rotation) @ self.direction)

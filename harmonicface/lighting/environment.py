@@ -14,7 +14,6 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.harmonics.indexing import count
 from harmonicface.harmonics.rotation import rotate
 from harmonicface.io.colour import luminance
 from harmonicface.io.tone import tone_mapped
@@ -24,7 +23,7 @@ from harmonicface.lighting._resampling import resampled
 from harmonicface.lighting._rotation import rotation_matrix
 from harmonicface.lighting.cube import cross_of_faces
 from harmonicface.lighting.layouts import layout_named
-from harmonicface.lighting.light import Light
+from harmonicface.lighting.light import Light, no_coefficients
 from harmonicface.lighting.reading import read_environment
 
 BLOCK = 1 << 14  # pixels whose harmonics are held at once
@@ -150,12 +149,11 @@ class EnvironmentMap(Light):
         return np.maximum(result, 0).astype(unit.dtype, copy=False)
 
     def coefficients(self, order: int = 2) -> Floats:
-        size = count(order)
         if self.layout == "latlong":
             result = latlong_coefficients(self.radiance, order)
             return result if self.rotation is None else rotate(result, self.rotation)
         towards, strengths = self.lamps()
-        result = np.zeros((size, *strengths.shape[1:]))
+        result = no_coefficients(order, strengths.shape[1:])
         for start in range(0, len(towards), BLOCK):
             result += real_harmonics(towards[start : start + BLOCK], order) @ strengths[start : start + BLOCK]
         return result

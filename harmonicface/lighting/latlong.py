@@ -32,6 +32,10 @@ class LatLongLayout(Layout):
         up = np.broadcast_to(np.sin(latitude), right.shape)
         return np.stack([right, up, -np.cos(latitude) * np.cos(longitude)], axis=-1)
 
+    def area_element(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
+        height = shape[0]
+        return np.broadcast_to(np.sin(np.pi * (np.arange(height) + down) / height)[:, None], shape)
+
     def solid_angles(self, shape: Shape) -> NDArray[np.float64]:
         """Return the areas of the spherical quadrangles: 2 pi / columns times the difference of sines."""
         height, width = shape

@@ -40,6 +40,10 @@ class Layout(ABC):
         """
 
     @abstractmethod
+    def area_element(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
+        """Return how much sphere there is around these directions for the same area of picture, up to a factor."""
+
+    @abstractmethod
     def solid_angles(self, shape: Shape) -> NDArray[np.float64]:
         """Return the solid angle of each pixel; they sum to 4 pi."""
 

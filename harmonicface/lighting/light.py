@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics import _memory
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count, index, order_of
 from harmonicface.harmonics.rotation import rotate
@@ -128,7 +129,7 @@ class HarmonicLight(Light):
         return np.asarray(np.tensordot(harmonics, weighted, (0, 0)))
 
     def coefficients(self, order: int = 2) -> Floats:
-        result = np.zeros((count(order), *self.values.shape[1:]), self.values.dtype)
+        result = no_coefficients(order, self.values.shape[1:]).astype(self.values.dtype, copy=False)
         shared = min(len(result), len(self.values))
         result[:shared] = self.values[:shared]
         return result
@@ -237,3 +238,10 @@ class SumOfLights(Light):
 
     def __mul__(self, factor: float) -> SumOfLights:
         return SumOfLights(tuple(part * factor for part in self.parts))
+
+
+def no_coefficients(order: int, colours: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return coefficients of darkness, ((order + 1)^2,) or (..., 3), to be filled; as many as the memory holds."""
+    shape = (count(order), *colours)
+    _memory.require(8 * math.prod(shape), f"coefficients up to order {order}")
+    return np.zeros(shape)

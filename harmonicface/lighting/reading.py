@@ -38,10 +38,10 @@ def read_environment(path: Path_ | Sequence[Path_], layout: str, transfer: str |
         one = Path(path)
         if layout == "cube" and one.is_dir():
             return _faces(_face_files(one), transfer)
-    elif layout == "cube":
+    elif layout == "cube" and isinstance(path, Sequence):
         return _faces([Path(face) for face in path], transfer)
     else:
-        raise HarmonicFaceError(f"path: expected one file for the layout {layout!r}, got {type(path).__name__}")
+        raise HarmonicFaceError(f"path: expected a file of the layout {layout!r}, got {type(path).__name__}")
     picture = read_image(one, transfer)
     try:
         return faces_of_cross(picture) if layout == "cube" else _of_proportions(picture, layout)

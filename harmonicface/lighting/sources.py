@@ -12,10 +12,9 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.harmonics.indexing import count
 from harmonicface.lighting._clamped_cosine import sum_clamped_cosine
 from harmonicface.lighting._rotation import rotation_matrix
-from harmonicface.lighting.light import Light
+from harmonicface.lighting.light import Light, no_coefficients
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +113,7 @@ class AmbientLight(Light):
         return np.broadcast_to(self.strength, unit.shape[:-1] + self.strength.shape).astype(unit.dtype)
 
     def coefficients(self, order: int = 2) -> Floats:
-        result = np.zeros((count(order), *self.strength.shape))
+        result = no_coefficients(order, self.strength.shape)
         result[0] = self.strength / np.pi * np.sqrt(4 * np.pi)  # radiance times the integral of Y_00
         return result
 

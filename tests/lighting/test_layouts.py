@@ -42,6 +42,17 @@ def test_solid_angles_are_the_areas_that_directions_sweep(layout: Layout) -> Non
     assert_allclose(layout.solid_angles(shape)[inside], total[inside], rtol=2e-3)
 
 
+@every_layout
+def test_area_elements_are_in_proportion_to_solid_angles(layout: Layout) -> None:
+    shape = layout.shape(64)
+    angles, elements = layout.solid_angles(shape), layout.area_element(shape)
+    inside = angles > 0.2 * angles.max()
+    if layout.name == "mirrorball":
+        inside = angles > 0.999 * angles.max()  # none that the rim cuts
+    ratio = angles[inside] / elements[inside]
+    assert_allclose(ratio / ratio.mean(), 1, rtol=0, atol=1e-3)
+
+
 def test_a_mirror_ball_gives_each_pixel_the_same() -> None:
     angles = layout_named("mirrorball").solid_angles((64, 64))
     assert_allclose(angles[20:44, 20:44], 4 * (2 / 64) ** 2, rtol=1e-12)

@@ -251,3 +251,10 @@ def test_edits_that_are_none(edit: Callable[[hf.HarmonicLight], Light], message:
 def test_coloured_light_takes_one_value_or_three() -> None:
     with pytest.raises(hf.HarmonicFaceError, match="value: expected one number or three, got an array"):
         hf.lights.published("grace").with_coefficient(1, 0, [1.0, 2.0])
+
+
+@every_light
+def test_an_order_beyond_the_memory(light: Light) -> None:
+    with pytest.raises(hf.HarmonicFaceError, match="of memory, expected at most") as caught:
+        light.coefficients(10_000_000)
+    assert "\n" not in str(caught.value)

@@ -87,8 +87,10 @@ def test_faces_that_do_not_fit(tmp_path: Path, faces: np.ndarray) -> None:
     files = [tmp_path / f"{name}.npy" for name in FACES]
     with pytest.raises(hf.HarmonicFaceError, match="path: expected six faces, px nx py ny pz nz, got 5"):
         hf.EnvironmentMap.load(files[:5], layout="cube")
-    with pytest.raises(hf.HarmonicFaceError, match="path: expected one file for the layout 'latlong', got list"):
+    with pytest.raises(hf.HarmonicFaceError, match="path: expected a file of the layout 'latlong', got list"):
         hf.EnvironmentMap.load(files)
+    with pytest.raises(hf.HarmonicFaceError, match="path: expected a file of the layout 'cube', got int"):
+        hf.EnvironmentMap.load(6, layout="cube")  # type: ignore[arg-type]
     np.save(files[2], faces[2, :3])
     with pytest.raises(hf.HarmonicFaceError, match=r"py\.npy: expected a square face, got 4 x 3"):
         hf.EnvironmentMap.load(tmp_path, layout="cube")
