@@ -12,6 +12,7 @@ from typing import Annotated, Any, NoReturn, cast
 
 import numpy as np
 import typer
+from numpy.typing import NDArray
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
@@ -27,6 +28,8 @@ from harmonicface.datasets.yale_b import parse_people
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
+from harmonicface.io.colour import luminance
+from harmonicface.io.files import alone_in
 from harmonicface.io.images import read_image, write_image
 from harmonicface.io.meshes import ENDINGS as MESH_ENDINGS
 from harmonicface.io.pictures import signed_colours
@@ -59,6 +62,9 @@ Texture = Annotated[Path | None, typer.Option(help="Picture with the mesh's colo
 FlipTexture = Annotated[bool, typer.Option("--flip-texture", help="The texture's rows run upward.")]
 Rotation = Annotated[str | None, typer.Option(help="Yaw, pitch, roll of the mesh in degrees.", show_default="0,0,0")]
 FrameOption = Annotated[str | None, typer.Option(help="x0,y0,x1,y1 of the view in the mesh's units.")]
+Transfer = Annotated[
+    str | None, typer.Option(help="srgb or linear: what the photographs' numbers mean.", show_default="by file type")
+]
 Methods = Annotated[str | None, typer.Option(help=f"Comma-separated, of {', '.join(METHODS)}.", show_default="all")]
 
 
@@ -97,6 +103,10 @@ def enroll(
             help="A mesh, a saved Surface, or at least three photographs under different lights.", show_default=False
         ),
     ],
+    mask: Annotated[
+        Path | None, typer.Option(help="For a new gallery: a picture, white where photographs are compared.")
+    ] = None,
+    transfer: Transfer = None,
     size: Size = None,
     texture: Texture = None,
     flip_texture: FlipTexture = False,
@@ -104,15 +114,47 @@ def enroll(
     frame: FrameOption = None,
 ) -> None:
     """Add a person to a gallery."""
-    people = Gallery.open(gallery) if gallery.exists() else Gallery()
-    if len(source) == 1 and source[0].suffix.lower() in (".npz", *MESH_ENDINGS):
-        people.enroll(name, _surface(source[0], size, 64, texture, flip_texture, rotation, frame))
-    else:
-        if flip_texture or (size, texture, rotation, frame) != (None, None, None, None):
-            raise HarmonicFaceError("enroll: expected the options of a view with one mesh only, got photographs")
-        people.enroll(name, _photographs(source))
-    people.save(gallery)
+    with alone_in(gallery.parent):
+        people = _gallery(gallery, mask)
+        people.enroll(name, _source(source, transfer, size, texture, flip_texture, rotation, frame))
+        people.save(gallery)
     typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
+
+
+def _gallery(path: Path, mask: Path | None) -> Gallery:
+    """Open a gallery, or begin one."""
+    try:
+        begun = path.exists()
+    except (OSError, ValueError):  # a name that no file can have: opening it says so
+        begun = True
+    if begun and mask is not None:
+        raise HarmonicFaceError(f"mask: expected it with a new gallery only, got {path}, which has its own")
+    if begun:
+        return Gallery.open(path)
+    return Gallery(mask=None if mask is None else _grey(read_image(mask, "linear")) > 0.5)
+
+
+def _source(
+    paths: list[Path],
+    transfer: str | None,
+    size: int | None,
+    texture: Path | None,
+    flip_texture: bool,
+    rotation: str | None,
+    frame: str | None,
+) -> Surface | NDArray[np.float32]:
+    """Read what a person is enrolled from."""
+    if len(paths) == 1 and paths[0].suffix.lower() in (".npz", *MESH_ENDINGS):
+        if transfer is not None:
+            raise HarmonicFaceError("transfer: expected it with photographs only, got a mesh or Surface")
+        return _surface(paths[0], size, 64, texture, flip_texture, rotation, frame)
+    if flip_texture or (size, texture, rotation, frame) != (None, None, None, None):
+        raise HarmonicFaceError("enroll: expected the options of a view with one mesh only, got photographs")
+    return _photographs(paths, transfer)
+
+
+def _grey(picture: NDArray[np.float32]) -> NDArray[np.float32]:
+    return picture if picture.ndim == 2 else np.asarray(luminance(picture), np.float32)
 
 
 @app.command()
@@ -120,18 +162,25 @@ def match(
     gallery: Annotated[Path, typer.Argument(help="The gallery's file.", show_default=False)],
     photo: Annotated[list[Path], typer.Argument(help="Photographs of the gallery's size.", show_default=False)],
     top: Annotated[int, typer.Option(help="How many candidates to name.")] = 5,
+    transfer: Transfer = None,
     as_json: AsJson = False,
 ) -> None:
     """Say whose face each photograph shows."""
     people = Gallery.open(gallery)
-    answers = [(path, people.match(read_image(path), top)) for path in photo]
+    answers = []
+    for path in photo:
+        picture = read_image(path, transfer)
+        try:
+            found = people.match(picture, top)
+        except HarmonicFaceError as error:
+            raise HarmonicFaceError(f"{path}: {error}") from None
+        answers.append(_as_dict(path, found))
+        if not as_json:
+            typer.echo(f"{path}: {found.name or 'unknown'} (distance {found.distance:.4f}, margin {found.margin:.2f})")
+            for candidate in found.candidates:
+                typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
     if as_json:
-        typer.echo(json.dumps({"gallery": str(gallery), "matches": [_as_dict(path, found) for path, found in answers]}))
-        return
-    for path, found in answers:
-        typer.echo(f"{path}: {found.name or 'unknown'} (distance {found.distance:.4f}, margin {found.margin:.2f})")
-        for candidate in found.candidates:
-            typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
+        typer.echo(json.dumps({"gallery": str(gallery), "matches": answers}))
 
 
 @app.command()
@@ -254,9 +303,9 @@ def _make_folder(path: Path) -> None:
         raise HarmonicFaceError(f"cannot make the folder {path}: {error.strerror}") from None
 
 
-def _photographs(paths: list[Path]) -> np.ndarray:
+def _photographs(paths: list[Path], transfer: str | None) -> NDArray[np.float32]:
     """Read photographs of one size."""
-    photos = [read_image(path) for path in paths]
+    photos = [read_image(path, transfer) for path in paths]
     for path, photo in zip(paths, photos, strict=True):
         if photo.shape != photos[0].shape:
             raise HarmonicFaceError(

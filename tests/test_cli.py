@@ -255,7 +255,7 @@ def test_images_where_there_is_no_folder(
     ("arguments", "message"),
     [
         (["people.gallery", "ada", "ada.npz"], "name: expected one that is not in the gallery yet, got 'ada', who is"),
-        (["people.gallery", "", "ada.npz"], "name: expected a text that is not empty"),
+        (["people.gallery", "", "ada.npz"], "name: expected 1 to 200 printable characters"),
         (["people.gallery", "new", "none.npz"], "expected a saved Surface, got no file none.npz"),
         (["people.gallery", "new", "other.npz"], "other.npz: expected a saved Surface"),
         (["people.gallery", "new", "wedge.obj"], "surface: expected the gallery's shape (24, 24), got (64, 64)"),
@@ -276,7 +276,7 @@ def test_images_where_there_is_no_folder(
         ),
         ([".", "new", "ada.npz"], "expected a file at ., got a folder"),
         (["small.png", "new", "ada.npz"], "small.png: expected a whole file of named arrays"),
-        (["none/people.gallery", "new", "ada.npz"], "cannot write none/people.gallery: No such file or directory"),
+        (["none/people.gallery", "new", "ada.npz"], "expected a folder none, got none: No such file or directory"),
     ],
 )
 def test_people_who_cannot_be_enrolled(
@@ -297,7 +297,7 @@ def test_people_who_cannot_be_enrolled(
         (["people.gallery", "none.png"], "none.png: expected an image"),
         (["people.gallery", "text.png"], "text.png: expected"),
         (["people.gallery", "wedge.obj"], "wedge.obj: expected an image"),
-        (["people.gallery", "ada0.png", "small.png"], "photo: expected the gallery's shape (24, 24), got (5, 4)"),
+        (["people.gallery", "small.png"], "small.png: photo: expected the gallery's shape (24, 24), got (5, 4)"),
         (["people.gallery", "black.png"], "photo: expected some light in it"),
         (["people.gallery", "ada0.png", "--top", "0"], "top: expected an integer of at least 1, got int 0"),
     ],
@@ -434,3 +434,42 @@ def test_a_message_of_several_lines_is_printed_as_one(
 
     monkeypatch.setattr("harmonicface.cli.app", failing)
     assert refused() == "harmonicface: expected this, got that\n"
+
+
+def test_a_new_gallery_takes_a_mask_and_an_old_one_does_not(run: Run, folder: Path, people: Path) -> None:
+    inside = np.zeros((24, 24), np.float32)
+    inside[4:-4, 4:-4] = 1
+    hf.write_image(folder / "mask.png", inside, transfer="linear")
+    hf.synthetic_person(3, 24).save(folder / "third.npz")
+    assert run("enroll", folder / "new.gallery", "c", folder / "third.npz", "--mask", folder / "mask.png").code == 0
+    mask = hf.Gallery.open(folder / "new.gallery").mask
+    assert mask is not None
+    assert (mask == (inside > 0)).all()
+    answer = run("enroll", people, "c", folder / "third.npz", "--mask", folder / "mask.png")
+    assert answer.code == 2
+    assert "mask: expected it with a new gallery only" in answer.err
+
+
+def test_linear_photographs_may_be_said_to_be_linear(run: Run, folder: Path, people: Path) -> None:
+    as_srgb, as_linear = (
+        json.loads(run("match", people, folder / "ada1.png", "--transfer", transfer, "--json").out)["matches"][0]
+        for transfer in ("srgb", "linear")
+    )
+    assert as_srgb["distance"] < as_linear["distance"]
+    assert run("match", people, folder / "ada1.png", "--transfer", "gamma").code == 2
+
+
+def test_an_error_names_the_photograph_and_keeps_the_answers_before_it(run: Run, folder: Path, people: Path) -> None:
+    hf.write_image(folder / "dark.png", np.zeros(hf.read_image(folder / "ada1.png").shape[:2], np.float32))
+    answer = run("match", people, folder / "ada1.png", folder / "dark.png")
+    assert answer.code == 2
+    assert answer.out.startswith(f"{folder / 'ada1.png'}: ada")
+    assert answer.err.startswith(f"harmonicface: {folder / 'dark.png'}: photo: expected some light in it")
+
+
+def test_two_enrolments_at_once_lose_nobody(folder: Path, people: Path) -> None:
+    names = [f"extra {index}" for index in range(3)]
+    start = [sys.executable, "-c", "from harmonicface.cli import main; main()", "enroll", str(people)]
+    writers = [subprocess.Popen([*start, name, str(folder / "ada.npz")], stdout=subprocess.DEVNULL) for name in names]
+    assert [writer.wait() for writer in writers] == [0, 0, 0]
+    assert set(names) <= set(hf.Gallery.open(people).names)

@@ -60,17 +60,6 @@ def test_each_head_is_found_under_each_light(heads: dict[str, hf.Surface], light
 
 
 @pytest.mark.data
-def test_scan_survives_save_and_load_bit_for_bit(scan: hf.Surface, tmp_path: Path) -> None:
-    scan.save(tmp_path / "scan.npz")
-    again = hf.Surface.load(tmp_path / "scan.npz")
-    for field in ("normals", "albedo", "mask", "depth"):
-        before, after = getattr(scan, field), getattr(again, field)
-        assert before.dtype == after.dtype
-        assert before.tobytes() == after.tobytes()
-    assert again.pixel_size == scan.pixel_size
-
-
-@pytest.mark.data
 def test_scan_is_a_colour_face(scan: hf.Surface) -> None:
     red, green, blue = (float(np.median(scan.pixel_albedo[:, channel])) for channel in range(3))
     assert red > green > blue  # skin

@@ -14,7 +14,9 @@ from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
 from harmonicface.bench.contenders import METHODS, Contender, GalleryContender, Person, contender
 from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
+from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
+from harmonicface.harmonics._memory import require
 from harmonicface.lighting.light import Light
 from harmonicface.people.synthetic import synthetic_people
 from harmonicface.surfaces.surface import Surface
@@ -111,9 +113,15 @@ def run_benchmark(
     """
     for value, least, name in ((faces, 2, "faces"), (size, 16, "size"), (seed, 0, "seed"), (queries, 1, "queries")):
         _validate.at_least(value, least, name)
+    require(4 * size**2 * faces * (7 + 18 + len(TIERS) * queries), f"{faces} people at {size} x {size} pixels")
     tell = progress or (lambda *_: None)
+    if len(set(methods)) < len(methods):
+        raise HarmonicFaceError(f"methods: expected each once, got {', '.join(methods)}")
     contenders = {method: contender(method) for method in methods}
-    everybody = list(synthetic_people(faces + STRANGERS, size, seed))
+    everybody = []
+    for surface in synthetic_people(faces + STRANGERS, size, seed):
+        everybody.append(surface)
+        tell("people", len(everybody), faces + STRANGERS)
     people = _enrolled(everybody[:faces], seed, tell)
     asked = {tier.name: _queries(everybody[:faces], tier, [seed, 1, i], queries) for i, tier in enumerate(TIERS)}
     strangers = {tier.name: _queries(everybody[faces:], tier, [seed, 2, i], 1) for i, tier in enumerate(TIERS)}

@@ -9,7 +9,7 @@ from typing import Protocol
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.recognition.baselines import BASELINES, Baseline
+from harmonicface.recognition.baselines import BASELINES, Baseline, baseline
 from harmonicface.recognition.models import SUBSPACE_MODELS
 from harmonicface.surfaces.surface import Surface
 
@@ -93,5 +93,5 @@ def contender(method: str) -> Contender:
     if method in SUBSPACE_MODELS:
         return GalleryContender(method)
     if method in BASELINES:
-        return PhotographContender(BASELINES[method]())
+        return PhotographContender(baseline(method))
     raise HarmonicFaceError(f"method: expected one of {', '.join(METHODS)}, got {method!r}")

@@ -39,7 +39,8 @@ def write_report(result: BenchmarkResult, folder: str | os.PathLike[str]) -> Pat
         target.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise HarmonicFaceError(f"cannot make the folder {target}: {error.strerror}") from None
-    for name, text in (("results.json", _json(result)), ("report.html", _page(result))):
+    texts = {"results.json": _json(result), "report.html": _page(result)}  # both before either is written
+    for name, text in texts.items():
         with replacing(target / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
     return target / "report.html"
@@ -105,7 +106,7 @@ def _headline(result: BenchmarkResult) -> str:
     wrong = {method.method: sum(method.errors.values()) for method in result.methods}
     if MARGIN_METHOD not in wrong:
         return f"{len(wrong)} methods, {total} photographs"
-    return f"Nine harmonic images name {total - wrong[MARGIN_METHOD]} of {total} photographs rightly"
+    return f"Nine harmonic images rank the right person first in {total - wrong[MARGIN_METHOD]} of {total} photographs"
 
 
 def _table(heads: list[str], rows: list[list[str]], strong: str = "") -> str:

@@ -77,7 +77,7 @@ def evaluate_yale_b(
     faces = load_yale_b(folder, people)
     if len(faces) < 2:
         raise HarmonicFaceError(f"people: expected at least two to tell apart, got {len(faces)}")
-    enrolled = [_enrolled(face, TRAINING[train]) for face in faces]
+    enrolled = enrolled_people(faces, train)
     return YaleResult(
         protocol="yale-b",
         train=train,
@@ -87,11 +87,15 @@ def evaluate_yale_b(
     )
 
 
-def _enrolled(face: YalePerson, subsets: tuple[int, ...]) -> Person:
-    """Return a person with her training photographs and the Surface that they give."""
-    chosen = np.isin(face.subsets, subsets)
-    photographs = face.photographs[chosen]
-    return Person(f"yaleB{face.number:02d}", photographs, calibrated_stereo(photographs, face.lights[chosen]).surface)
+def enrolled_people(faces: Sequence[YalePerson], train: str = "subset1") -> list[Person]:
+    """Return people with their training photographs and the Surfaces that these give."""
+    people = []
+    for face in faces:
+        chosen = np.isin(face.subsets, TRAINING[train])
+        photographs = face.photographs[chosen]
+        surface = calibrated_stereo(photographs, face.lights[chosen]).surface
+        people.append(Person(f"yaleB{face.number:02d}", photographs, surface))
+    return people
 
 
 def _judge(

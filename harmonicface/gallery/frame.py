@@ -12,6 +12,8 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.colour import luminance
 
+LARGEST = 1e30  # sums over pixels stay finite in float32
+
 
 @dataclass(frozen=True, eq=False)
 class Frame:
@@ -55,11 +57,14 @@ class Frame:
         Raises
         ------
         HarmonicFaceError
-            Another shape than the frame's, NaN or infinity.
+            Another shape than the frame's, NaN or infinity, more negative than positive intensities.
         """
         array = _validate.image(picture, name)
         if array.shape[:2] != self.shape:
             raise HarmonicFaceError(f"{name}: expected the gallery's shape {self.shape}, got {array.shape[:2]}")
+        if not -array.min() <= array.max() <= LARGEST:
+            expected = f"intensities of at least 0 (noise may be below) and at most {LARGEST:g}"
+            raise HarmonicFaceError(f"{name}: expected {expected}, got {array.min():.4g} to {array.max():.4g}")
         return (array if array.ndim == 2 else luminance(array))[self.mask]
 
     def place(self, images: Floats, mask: NDArray[np.bool_]) -> Floats:

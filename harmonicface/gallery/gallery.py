@@ -13,6 +13,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import storage
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.match import Candidate, Match
+from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.ranking import rank
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.lighting.light import HarmonicLight
@@ -22,6 +23,8 @@ from harmonicface.surfaces.surface import Surface
 
 FEWEST_PHOTOGRAPHS = 3  # fewer do not span the pictures of even a surface without shadows
 MOST_ROWS = 9
+FEWEST_PIXELS = 4 * MOST_ROWS  # as many pixels as rows are explained by anybody
+FARTHEST = 0.5  # beyond it a quarter of the photograph's energy is nobody's
 DEFAULT_THRESHOLD = 0.1
 DEFAULT_MARGIN = 4 / 3
 
@@ -40,11 +43,11 @@ class Gallery:
         A person at most so far from the photograph is named whatever the others are, 0 to 1. 0.1 is what the nine
         images themselves leave over of a matte head under one lamp, the hardest light (8.8 % on a sphere).
     margin
-        A person farther than that is named if she is so many times nearer than the next, at least 1; infinity
-        leaves the threshold alone. Distances grow together as light gets harder, so their ratio tells the known from
-        the unknown where no single distance can. Measured with 4/3 on Yale B, light up to 51 degrees: of strangers
-        0 to 1 in 100 are named by galleries of five to ten people, 3 by three, 15 by two; of enrolled people 2 to 5
-        in 100 are refused. Somebody who is enrolled under two names is named by the threshold only.
+        A person farther than that, up to 0.5, is named if she is so many times nearer than the next, at least 1;
+        infinity leaves the threshold alone. Distances grow together as light gets harder, so their ratio tells the
+        known from the unknown where no single distance can. With 4/3, on Yale B up to 51 degrees, of 100 strangers
+        0.3 are named by galleries of ten people, 1.8 of five, 4.9 of three, 15 of two; of 100 enrolled people 2 to 7
+        are refused (`scripts/unknown_people.py`). Somebody enrolled under two names is named by the threshold only.
 
     Raises
     ------
@@ -129,7 +132,7 @@ class Gallery:
         Parameters
         ----------
         name
-            Not empty, not yet in the gallery.
+            1 to 200 printable characters, not yet in the gallery.
         source
             A Surface of the gallery's shape, or (n, h, w) photographs under n >= 3 different lights, whose span (its
             nine strongest directions) then stands for her.
@@ -137,16 +140,17 @@ class Gallery:
         Raises
         ------
         HarmonicFaceError
-            A name that is taken or empty, another shape than the gallery's, fewer than three photographs, NaN,
-            nothing inside the gallery's mask.
+            A name that is taken or does not print, another shape than the gallery's, fewer than three different
+            photographs, negative ones, NaN, nothing inside the gallery's mask.
         """
-        if not isinstance(name, str) or not name.strip():
-            raise HarmonicFaceError(f"name: expected a text that is not empty, got {_validate.describe(name)}")
-        if name in self._sources:
+        if checked_name(name) in self._sources:
             raise HarmonicFaceError(f"name: expected one that is not in the gallery yet, got {name!r}, who is")
         known = isinstance(source, Surface)
         frame, images = self._from_surface(source) if isinstance(source, Surface) else self._from_photographs(source)
         subspace = Subspace.of(images, MOST_ROWS)
+        if not known and subspace.rank < FEWEST_PHOTOGRAPHS:
+            expected = f"at least {FEWEST_PHOTOGRAPHS} photographs that differ, under different lights"
+            raise HarmonicFaceError(f"source: expected {expected}, got {subspace.rank} different of {len(images)}")
         self._frame = frame
         if self._rows is None:
             self._rows = StackedRows(np.empty((0, frame.pixels), np.float32))
@@ -181,12 +185,14 @@ class Gallery:
         Returns
         -------
         Match
-            `.name` is None when nobody is near enough, or two people are nearly as near as each other.
+            `.name` is None when the nearest person is farther than the threshold and the next nearly as near, or when
+            nobody explains three quarters of the photograph's energy.
 
         Raises
         ------
         HarmonicFaceError
-            An empty gallery, another shape, NaN or infinity, a photograph that is all 0, an empty mask.
+            An empty gallery, another shape, NaN or infinity, a photograph that is all 0 or negative, fewer than 36
+            good pixels.
         """
         count = _validate.at_least(top, 1, "top")
         if self._frame is None or not len(self):
@@ -196,17 +202,23 @@ class Gallery:
         if mask is not None:
             shared = self._frame.mask & _validate.mask(mask, "mask", self._frame.shape)
             good = _validate.mask(shared, "mask inside the gallery's mask", self._frame.shape)[self._frame.mask]
+        if good.sum() < FEWEST_PIXELS:
+            raise HarmonicFaceError(f"match: expected at least {FEWEST_PIXELS} good pixels, got {good.sum()}")
         ranked = rank(self._stack, unit_photo(pixels[good], int(good.sum())), good, max(count, 2))
         distance, best = ranked[0]
         margin = _ratio(ranked[1][0], distance) if len(ranked) > 1 else 1.0
         names = self.names
         return Match(
-            name=names[best] if distance <= self.threshold or margin >= self.margin else None,
+            name=names[best] if self.is_known(distance, margin) else None,
             distance=distance,
             margin=margin,
             light=self._light(best, pixels[good], good),
             candidates=tuple(Candidate(names[index], value) for value, index in ranked[:count]),
         )
+
+    def is_known(self, distance: float, margin: float) -> bool:
+        """Say whether the nearest person is named: surely near, or clearly nearer than the next."""
+        return distance <= self.threshold or (margin >= self.margin and distance <= FARTHEST)
 
     def reconstruct(self, name: str, photo: ArrayLike) -> Floats:
         """Return the picture of a person that is nearest to a photograph, (h, w), 0 outside the gallery's mask.

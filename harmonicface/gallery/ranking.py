@@ -9,6 +9,9 @@ from harmonicface.gallery.rows import StackedRows
 
 # Closeness |Q y|^2 is summed in float32; whoever is within this of the last place is examined too.
 ROUNDING = 1e-5
+# Through a mask it is divided by the eigenvalues of Q Q^T over the good pixels, which magnify the rounding.
+MASKED_ROUNDING = 1e-3
+SMALLEST_EIGENVALUE = 0.05
 
 
 def rank(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_], top: int) -> list[tuple[float, int]]:
@@ -21,20 +24,35 @@ def rank(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_], 
     unit
         The good pixels of a photograph, of unit length.
     good
-        (p,) booleans: which pixels these are. With bad pixels among them, every person is projected by herself.
+        (p,) booleans: which pixels these are.
     top
         How many, at least 1.
     """
-    closeness = rows.closeness(unit) if good.all() else _masked_closeness(rows, unit, good)
+    whole = bool(good.all())
+    closeness = rows.closeness(unit) if whole else _masked_closeness(rows, unit, good)
     last = np.partition(closeness, -top)[-top] if top < len(closeness) else -np.inf
-    candidates = np.flatnonzero(closeness >= last - ROUNDING)
+    candidates = np.flatnonzero(closeness >= last - (ROUNDING if whole else MASKED_ROUNDING))
     exact = [(_distance(rows, int(index), unit, good), int(index)) for index in candidates]
     return sorted(exact)[:top]
 
 
 def _masked_closeness(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return |Q_i y|^2 of everybody, with Q_i orthonormal over the good pixels alone."""
-    return np.array([1 - _distance(rows, index, unit, good) ** 2 for index in range(len(rows))])
+    r"""Return how much of a photograph everybody explains over the good pixels g: b^T G^{-1} b.
+
+    b = Q_g y and G = Q_g Q_g^T = I - Q_b Q_b^T, from the bad pixels alone. Where they leave G nearly singular, the
+    person is examined exactly.
+    """
+    photo = np.zeros(len(good))
+    photo[good] = unit
+    bad = rows.array[:, ~good].astype(np.float64)
+    closeness = np.empty(len(rows))
+    for index, (part, hidden) in enumerate(zip(rows.split(rows.products(photo)), rows.split(bad), strict=True)):
+        values, vectors = np.linalg.eigh(np.eye(len(part)) - hidden @ hidden.T)
+        if values[0] > SMALLEST_EIGENVALUE:
+            closeness[index] = (np.square(part @ vectors) / values).sum()
+        else:
+            closeness[index] = 1 - _distance(rows, index, unit, good) ** 2
+    return closeness
 
 
 def _distance(rows: StackedRows, index: int, unit: NDArray[np.float64], good: NDArray[np.bool_]) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,7 +70,15 @@ class StackedRows:
         self._starts = np.delete(self._starts, index + 1)
         self._starts[index + 1 :] -= last - first
 
+    def split(self, array: NDArray[Any]) -> list[NDArray[Any]]:
+        """Return an array that has an entry for each row, person by person, without copying it."""
+        return np.split(array, self._starts[1:-1])
+
+    def products(self, unit: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Return the product of every row with a photograph, (n,)."""
+        return np.asarray(self.array @ unit.astype(np.float32))
+
     def closeness(self, unit: NDArray[np.float64]) -> NDArray[np.float32]:
         """Return |Q_i y|^2 of a unit photograph y for everybody, by one product over all rows."""
-        products = self.array @ unit.astype(np.float32)
+        products = self.products(unit)
         return np.add.reduceat(np.square(products, out=products), self._starts[:-1])

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.recognition.models import SUBSPACE_MODELS
 from harmonicface.store.archive import read_arrays, write_arrays
@@ -83,11 +84,13 @@ def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Content
         and rows.shape == (shapes[:, 0].sum(), mask.sum())
         and shapes.min() >= 1
         and len(sources) == len(about["people"]) == len(shapes)
+        and all(checked_name(name) for name in sources)
         and set(sources.values()) <= set(SOURCES)
         and about["model"] in SUBSPACE_MODELS
         and 0 <= about["threshold"] <= 1
         and about["margin"] >= 1
-        and bool(np.isfinite(rows).all() and np.isfinite(arrays["to_coefficients"]).all())
+        and bool(np.isfinite(arrays["to_coefficients"]).all())
+        and bool(np.abs(np.einsum("np,np->n", rows, rows) - 1).max() < 1e-3)  # NaN fails too
     )
     if not agrees:
         raise ValueError("the parts of the gallery contradict each other")

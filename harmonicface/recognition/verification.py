@@ -15,7 +15,7 @@ from harmonicface.recognition.models import harmonic9
 from harmonicface.recognition.subspace import Subspace
 from harmonicface.surfaces.surface import Surface
 
-DEFAULT_THRESHOLD = 0.2
+DEFAULT_THRESHOLD = 0.15
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,10 @@ def verify(
     surface
         Whose picture it may be.
     threshold
-        The largest distance at which the answer is yes, 0 to 1. A perfect matte head under one lamp, the hardest
-        light, is at a distance of about 0.05 to 0.1 from its own nine images.
+        The largest distance at which the answer is yes, 0 to 1. With 0.15, of 3,312 pairs of synthetic strangers in
+        the six kinds of light of `harmonicface bench` none is taken for the same person, and of 144 photographs of
+        the right one 3 are refused, all under extreme light. On Yale B no stranger is accepted; 21 % of the right
+        people are refused up to 25 degrees, 76 % up to 51: unaligned real photographs need 0.2 to 0.25.
     mask
         (h, w) booleans, false where the photograph is bad: burnt out, hidden.
 

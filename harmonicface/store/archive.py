@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import os
 from collections.abc import Mapping
@@ -12,7 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError
-from safetensors.numpy import load_file, save_file
+from safetensors.numpy import load_file, save
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
@@ -23,7 +24,7 @@ CHUNK = 1 << 22
 
 
 def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]], about: Mapping[str, str]) -> None:
-    """Write named arrays and a few words about them.
+    """Write named arrays and a few words about them. Memory: the size of the file once more.
 
     Parameters
     ----------
@@ -40,16 +41,11 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
         The file cannot be written.
     """
     blank = np.zeros(DIGEST_BYTES, np.uint8)
+    content = bytearray(save({**arrays, DIGEST: blank}, dict(about)))
+    start = _digest_start(io.BytesIO(content))
+    content[start : start + DIGEST_BYTES] = hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest()
     with replacing(path) as temporary:
-        try:
-            save_file({**arrays, DIGEST: blank}, temporary, dict(about))
-            with temporary.open("r+b") as stream:
-                start = _digest_start(stream)
-                digest = _digest(stream, start)
-                stream.seek(start)
-                stream.write(digest)
-        except (SafetensorError, OSError) as error:  # a full disk
-            raise HarmonicFaceError(f"cannot write {path}: {' '.join(str(error).split())}") from None
+        temporary.write_bytes(content)
 
 
 def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
@@ -61,9 +57,10 @@ def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], 
         The file is missing, cut short, changed in any byte, or was not written by `write_arrays`.
     """
     file = Path(path)
-    if not file.is_file():
-        raise HarmonicFaceError(f"expected a file at {file}, got {'a folder' if file.is_dir() else 'none'}")
     try:
+        if not file.is_file():
+            found = "a folder" if file.is_dir() else "none"
+            raise HarmonicFaceError(f"expected a file at {file!s:.300}, got {found}")
         with file.open("rb") as stream:
             start = _digest_start(stream)
             stream.seek(start)

@@ -15,6 +15,8 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 
 Frame = tuple[float, float, float, float]
+SMALLEST_FRAME = 1e-9  # of its distance from the origin
+MOST_PIXELS = 1 << 14  # a side
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +146,8 @@ def checked_shape(size: int | tuple[int, int]) -> tuple[int, int]:
     whole = all(isinstance(side, (int, np.integer)) and not isinstance(side, bool) for side in sides)
     if len(sides) != 2 or not whole or min(sides) < 1:
         raise HarmonicFaceError(f"size: expected pixels, one number or (height, width), got {size!r}")
+    if max(sides) > MOST_PIXELS:
+        raise HarmonicFaceError(f"size: expected at most {MOST_PIXELS} pixels a side, got {max(sides):.6g}")
     return int(sides[0]), int(sides[1])
 
 
@@ -163,6 +167,8 @@ def _checked_frame(frame: Sequence[float]) -> Frame:
     x0, y0, x1, y1 = (float(v) for v in _numbers(frame, 4, "frame", "(x0, y0, x1, y1) in world units"))
     if not (x0 < x1 and y0 < y1):
         raise HarmonicFaceError(f"frame: expected x0 < x1 and y0 < y1, got {(x0, y0, x1, y1)}")
+    if max(x1 - x0, y1 - y0) < SMALLEST_FRAME * max(abs(x0), abs(x1), abs(y0), abs(y1)):
+        raise HarmonicFaceError(f"frame: expected borders that rounding keeps apart, got {(x0, y0, x1, y1)}")
     return x0, y0, x1, y1
 
 

@@ -154,7 +154,7 @@ def test_progress_goes_forward_to_its_end(result: BenchmarkResult, told: list[tu
     stages: dict[str, list[tuple[int, int]]] = {}
     for what, done, of in told:
         stages.setdefault(what, []).append((done, of))
-    assert list(stages) == ["photographs for the gallery", *METHODS, "margins and strangers"]
+    assert list(stages) == ["people", "photographs for the gallery", *METHODS, "margins and strangers"]
     for steps in stages.values():
         dones = [done for done, _ in steps]
         assert dones == sorted(set(dones))

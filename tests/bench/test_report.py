@@ -93,7 +93,7 @@ def test_the_page_holds_the_tables(folder: Path, small_run: BenchmarkResult) -> 
 def test_the_page_says_what_came_out(folder: Path, small_run: BenchmarkResult) -> None:
     text = (folder / "report.html").read_text(encoding="utf-8")
     right = 24 - next(sum(method.errors.values()) for method in small_run.methods if method.method == "harmonic9")
-    assert f"Nine harmonic images name {right} of 24 photographs rightly" in text
+    assert f"Nine harmonic images rank the right person first in {right} of 24 photographs" in text
     for tier in TIERS:
         assert tier.about in text
 

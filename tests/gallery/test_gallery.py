@@ -320,9 +320,13 @@ STACK = np.stack([GOOD] * 3)
     ("name", "source", "message"),
     [
         ("ada", PEOPLE["emmy"], "name: expected one that is not in the gallery yet, got 'ada', who is"),
-        ("", PEOPLE["ada"], "name: expected a text that is not empty, got str ''"),
-        (" \n", PEOPLE["ada"], r"name: expected a text that is not empty, got str ' \\n'"),
-        (7, PEOPLE["ada"], "name: expected a text that is not empty, got int 7"),
+        ("", PEOPLE["ada"], "name: expected 1 to 200 printable characters"),
+        (" ada", PEOPLE["ada"], "name: expected 1 to 200 printable characters"),
+        ("a\x00b", PEOPLE["ada"], "name: expected 1 to 200 printable characters"),
+        ("\ud800", PEOPLE["ada"], "name: expected 1 to 200 printable characters"),
+        ("a" * 201, PEOPLE["ada"], "name: expected 1 to 200 printable characters"),
+        (" \n", PEOPLE["ada"], "name: expected 1 to 200 printable characters"),
+        (7, PEOPLE["ada"], "name: expected a text, got int 7"),
         ("new", hf.synthetic_person(0, size=32), r"surface: expected the gallery's shape \(24, 24\), got \(32, 32\)"),
         ("new", STACK[:2], r"source: expected a Surface, or at least 3 photographs of shape \(n, h, w\), got an array"),
         ("new", GOOD, r"photographs: expected an image|photographs: expected the gallery's shape|source: expected"),
@@ -399,9 +403,43 @@ def test_a_refused_setting_leaves_the_old_one() -> None:
     assert (gallery.threshold, gallery.margin) == (0.3, 1.5)
 
 
-def test_one_pixel_tells_nobody_from_another() -> None:
-    pixel = np.zeros((SIZE, SIZE), np.bool_)
-    pixel[12, 12] = True
-    answer = gallery_of(PEOPLE, mask=pixel, threshold=0, margin=1.01).match(GOOD)
-    assert (answer.distance, answer.margin, answer.name) == (0.0, 1.0, "ada")
+def test_a_few_pixels_tell_nobody_from_another() -> None:
+    few = np.zeros((SIZE, SIZE), np.bool_)
+    few.flat[:35] = True
+    with pytest.raises(hf.HarmonicFaceError, match="match: expected at least 36 good pixels, got 35"):
+        gallery_of(PEOPLE, mask=few).match(GOOD)
+    with pytest.raises(hf.HarmonicFaceError, match="match: expected at least 36 good pixels, got 35"):
+        gallery_of(PEOPLE).match(GOOD, mask=few)
     assert _ratio(0.3, 0.0) == np.inf
+    assert _ratio(0.0, 0.0) == 1.0
+
+
+def test_nobody_is_named_who_leaves_a_quarter_of_the_energy_over() -> None:
+    gallery = gallery_of(PEOPLE)
+    assert gallery.is_known(0.05, 1.0)
+    assert gallery.is_known(0.5, 1.4)
+    assert not gallery.is_known(0.3, 1.3)
+    assert not gallery.is_known(0.51, 10.0)
+
+
+def test_strangers_are_unknown_and_enrolled_people_are_not() -> None:
+    people = [*hf.synthetic_people(40, 48, seed=77)]
+    gallery = hf.Gallery()
+    for index, person in enumerate(people[:20]):
+        gallery.enroll(str(index), person)
+    rng = np.random.default_rng(5)
+    lamps = [hf.lights.directional([*rng.normal(size=2), 1.5]) for _ in people]
+    photos = [hf.photograph(hf.render(*pair), rng) for pair in zip(people, lamps, strict=True)]
+    names = [gallery.match(photo).name for photo in photos]
+    assert names[:20] == [str(index) for index in range(20)]
+    assert sum(name is not None for name in names[20:]) <= 1
+
+
+def test_photographs_must_differ_and_hold_light() -> None:
+    photo = GOOD
+    with pytest.raises(hf.HarmonicFaceError, match=r"at least 3 photographs that differ, .* got 1 different of 4"):
+        hf.Gallery().enroll("ada", np.stack([photo] * 4))
+    with pytest.raises(hf.HarmonicFaceError, match="intensities of at least 0"):
+        gallery_of(PEOPLE).match(-photo)
+    with pytest.raises(hf.HarmonicFaceError, match="at most 1e"):
+        gallery_of(PEOPLE).match(1e300 * photo.astype(np.float64))

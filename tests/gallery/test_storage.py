@@ -14,7 +14,7 @@ from safetensors.numpy import save_file
 import harmonicface as hf
 from harmonicface.store.archive import read_arrays, write_arrays
 
-SHAPE = (6, 5)
+SHAPE = (10, 9)
 
 
 def surface(seed: int) -> hf.Surface:
@@ -236,14 +236,15 @@ def test_nobody_is_nothing_to_save(tmp_path: Path) -> None:
 
 
 def test_a_save_that_fails_leaves_the_old_file_and_no_other(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(_arrays: object, file: Path, _about: object) -> None:
-        file.write_bytes(b"half")
+    def full(file: Path, content: bytes) -> int:
+        with file.open("wb") as stream:
+            stream.write(content[:10])
         raise OSError(28, "No space left on device")
 
     before = path.read_bytes()
     gallery = hf.Gallery.open(path)
     gallery.enroll("grace", surface(9))
-    monkeypatch.setattr("harmonicface.store.archive.save_file", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(hf.HarmonicFaceError, match=r"cannot write .*people\.gallery: .*No space left on device"):
         gallery.save(path)
     assert path.read_bytes() == before

@@ -220,11 +220,12 @@ def test_a_full_disk_leaves_the_old_file_and_no_other(path: Path) -> None:
 def test_an_interruption_leaves_the_old_file_and_no_other(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before = path.read_bytes()
 
-    def interrupted(arrays: object, file: Path, about: object) -> None:
-        file.write_bytes(b"half")
+    def interrupted(file: Path, content: bytes) -> int:
+        with file.open("wb") as stream:
+            stream.write(content[:10])
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(archive, "save_file", interrupted)
+    monkeypatch.setattr(Path, "write_bytes", interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_arrays(path, ARRAYS, ABOUT)
     assert list(path.parent.iterdir()) == [path]
