@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.lighting.environment import EnvironmentMap
 from harmonicface.reflectance.brdf import Lambertian, Microfacet, Phong, Ward
 from harmonicface.reflectance.brdf_coefficients import (
     anisotropic_coefficients,
@@ -129,6 +131,23 @@ def test_phong_and_a_lamp_without_size() -> None:
     local = np.einsum("nji,j->ni", frames(NORMALS, 0.0), lamp)
     expected = Phong(20)(local, OUTGOING) * local[:, 2] * OUTGOING[:, 2]
     assert relative(evaluate(light, isotropic_coefficients(Phong(20), 24), NORMALS, OUTGOING), expected) < 1e-2
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("place", ["grace", "pisa"])
+def test_the_error_under_measured_light(place: str, data_dir: Path) -> None:
+    # every pixel of the map is a lamp of its own, and their sum is the reference
+    sky = EnvironmentMap.load(data_dir / "probes" / "cube" / place, layout="cube").grey().converted("latlong", 48)
+    towards, strengths = (np.asarray(each, np.float64) for each in sky.lamps())
+    light = real_harmonics(towards, 16) @ strengths
+    normals, outgoing = NORMALS[:30], OUTGOING[:30]
+    for brdf in (Phong(20), Microfacet(0.3)):
+        expected = []
+        for frame, out in zip(frames(normals, 0.0), outgoing, strict=True):
+            local = towards @ frame
+            expected.append((strengths * brdf(local, out) * np.maximum(local[:, 2], 0)).sum() * out[2])
+        found = evaluate(light, isotropic_coefficients(brdf, 16), normals, outgoing)
+        assert relative(found, np.array(expected)) < 1e-2
 
 
 def lit(brdf, lamp: np.ndarray, gamma: float) -> np.ndarray:
