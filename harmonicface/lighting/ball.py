@@ -11,7 +11,7 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.lighting.layout import Layout, Shape, bilinear, check_image
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
 class BallLayout(Layout):
@@ -62,7 +62,7 @@ class BallLayout(Layout):
         r"""Return the solid angle of the part of each pixel that is inside the disc.
 
         By Green's theorem it is the integral of (1 - cos(angle)) d phi around the pixel. Along an edge at the
-        height v that is cap(r) v du, smooth, so that twelve Gauss-Legendre points give it to rounding error; outside
+        height v that is cap(r) v du, smooth, so that six Gauss-Legendre points give it to rounding error; outside
         the disc the angle stays pi. The sum over pixels telescopes to 4 pi.
         """
         size = shape[-1]
