@@ -12,12 +12,14 @@ from scipy.special import sph_harm_y
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics.complex import to_complex
 from harmonicface.reflectance.brdf import Microfacet, Phong
 from harmonicface.reflectance.brdf_coefficients import (
     anisotropic_coefficients,
     coefficients_at_angle,
     isotropic_coefficients,
 )
+from harmonicface.reflectance.estimation import estimate_reflectance
 from harmonicface.reflectance.evaluation import evaluate
 from harmonicface.reflectance.lightfield import (
     about_reflection,
@@ -198,6 +200,14 @@ def test_a_mirror_under_blurred_light_is_the_gloss_under_the_light() -> None:
         blurred = blurred_light(light, phong_filter(20, 9))
         assert_allclose(blurred.T @ real_harmonics(reflection, 6), expected, rtol=0, atol=1e-9)
         assert_allclose(blurred_light(blurred, np.ones(7)), blurred, rtol=0, atol=0)  # the mirror's filter
+
+
+def test_the_brdf_comes_back_where_the_light_is_known() -> None:
+    # equation 58, over all m
+    light, table = np.random.default_rng(4).normal(size=25), isotropic_coefficients(Microfacet(0.3), 4)
+    found = estimate_reflectance(light_field(light, table), to_complex(light), noise=1e-9)
+    lengths = normalizations(4)[:, None, None]
+    assert_allclose(np.asarray(found.filter) / lengths, table, rtol=0, atol=1e-12)
 
 
 def test_the_lower_order_counts() -> None:
