@@ -15,8 +15,8 @@ from harmonicface.harmonics.complex import complex_harmonics, to_complex
 from harmonicface.harmonics.indexing import count, degrees, order_of
 from harmonicface.reflectance._brdf_quadrature import Complexes, Reals
 from harmonicface.reflectance.brdf import Brdf, values
-from harmonicface.reflectance.evaluation import brdf_array
 from harmonicface.reflectance.local_light import real_light
+from harmonicface.reflectance.outgoing_kernels import brdf_array
 
 
 def normalizations(order: int) -> Reals:
@@ -64,6 +64,7 @@ def light_field(light: ArrayLike, brdf: ArrayLike) -> Complexes:
     if table.ndim != 3:
         raise HarmonicFaceError(f"brdf: expected isotropic coefficients (l, p, q), got {_validate.describe(table)}")
     complexes, order = _common(light, len(table))
+    table = table[: order + 1, :, : min(order, table.shape[1] - 1) + 1]
     require(16 * count(order) * table[0].size, f"light field of order {order} by {table.shape[1] - 1}")
     degree = degrees(order)
     return np.asarray((normalizations(order)[degree] * complexes)[:, None, None] * table[degree])

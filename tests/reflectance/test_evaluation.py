@@ -19,8 +19,9 @@ from harmonicface.reflectance.brdf_coefficients import (
     coefficients_at_angle,
     isotropic_coefficients,
 )
-from harmonicface.reflectance.evaluation import evaluate, evaluate_at_angle, evaluate_under_lamp, outgoing_kernels
+from harmonicface.reflectance.evaluation import evaluate, evaluate_at_angle, evaluate_under_lamp
 from harmonicface.reflectance.filters import lambertian_filter, lambertian_weights
+from harmonicface.reflectance.outgoing_kernels import outgoing_kernels
 
 
 def directions(count: int, seed: int, lowest: float = -1.0) -> np.ndarray:

@@ -161,6 +161,8 @@ def test_degrees_beyond_the_outgoing_order_are_not_tied() -> None:
     assert_allclose(again[:9], light[:9], rtol=0, atol=1e-11)
     assert_allclose(material[:3], table[:3], rtol=0, atol=1e-11)
     assert not found.brdf_known[3:].any()
+    less = factor_light_field(light_field(light[:9], isotropic_coefficients(Phong(20), 4)))
+    assert_allclose(scaled(less, light)[0], light[:9], rtol=0, atol=1e-11)
     more = factor_light_field(light_field(light[:9], isotropic_coefficients(Phong(20), 2, 4)))
     assert_allclose(scaled(more, light)[0], light[:9], rtol=0, atol=1e-11)
 

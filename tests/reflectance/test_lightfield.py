@@ -212,7 +212,7 @@ def test_the_brdf_comes_back_where_the_light_is_known() -> None:
 
 def test_the_lower_order_counts() -> None:
     table = isotropic_coefficients(Phong(5), 3)
-    assert light_field(LIGHT, table).shape == (9, 4, 4)
+    assert light_field(LIGHT, table).shape == (9, 4, 3)
     assert light_field(np.ones(36), table).shape == (16, 4, 4)
 
 
