@@ -10,16 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.harmonics.indexing import degrees
-from harmonicface.reflectance.filters import lambertian_weights
+from harmonicface.reflectance.filters import lambertian_filter, lambertian_weights
 from harmonicface.surfaces.surface import Surface
 
 Array = NDArray[np.float64]
 
 BEYOND = 6  # degrees above the order whose light may pass for light of the order: the filter lets next to none above
+LIKELY = 0.3  # strength of a mode above the order, over the ambient one: natural light's, and a third of a lamp's
 RANK = 1e-6  # of the largest singular value of the images; below, float32 normals differ by rounding alone
-CUT = 1.0  # a direction whose error exceeds the ambient light is not returned as a number
-TRUSTED = 0.5  # a coefficient is recoverable while its error stays below this share of the ambient light
+CUT = 2.0  # a direction whose error exceeds twice the ambient light is filled by smoothness, not by the photograph
+TRUSTED = 0.5  # a coefficient or direction is recoverable while its error stays below this share of it
 ROWS = 1 << 15  # pixels at a time
 
 
@@ -36,8 +36,7 @@ class Pixels:
 class Factors:
     """Least squares over p pixels, reduced: |images.T @ L - photo|^2 = |R L - z|^2 + rest^2."""
 
-    triangle: Array  # R, (r, k)
-    beyond: Array  # the same of the degrees above the order, (r, n)
+    triangle: Array  # R, (r, n): the k modes of the order first, then those of the degrees above it
     image: Array  # z, (r,)
     rest: float
     brightness: float  # root of the mean square of the photograph
@@ -105,13 +104,12 @@ def reduced(normals: Array, albedo: Array, intensities: Array, order: int) -> li
         images = real_harmonics(normals[block], far)[columns] * weights[columns, None] * albedo[block]
         rows = np.concatenate([images.T, intensities[block]], axis=1)
         triangle = np.asarray(np.linalg.qr(np.concatenate([triangle, rows]), mode="r"))
-    k, n = int((degrees(far)[columns] <= order).sum()), len(columns)
+    n = len(columns)
     return [
         Factors(
-            triangle[:k, :k],
-            triangle[:k, k:n],
-            triangle[:k, n + channel],
-            float(np.linalg.norm(triangle[k:, n + channel])),
+            triangle[:n, :n],
+            triangle[:n, n + channel],
+            float(np.linalg.norm(triangle[n:, n + channel])),
             float(np.linalg.norm(intensities[:, channel]) / np.sqrt(len(normals))),
             len(normals),
             order,
@@ -122,72 +120,99 @@ def reduced(normals: Array, albedo: Array, intensities: Array, order: int) -> li
 
 def solved(factors: Factors, noise: float | None, ridge: float | None) -> Solution:
     """Solve the reduced system and tell the error of each coefficient."""
-    left, values, right = np.linalg.svd(factors.triangle)
-    values = np.concatenate([values, np.zeros(len(right) - len(values))])  # fewer pixels than modes
+    k = len(shown(factors.order))
+    values = np.asarray(np.linalg.svd(factors.triangle[:, :k], compute_uv=False), np.float64)
+    values = np.concatenate([values, np.zeros(k - len(values))])  # fewer pixels than modes
     rank = int((values > RANK * values[0]).sum())
-    left, rows = left[:, :rank], right[:rank]
-    seen = left.T @ factors.image
-    unexplained = np.hypot(factors.rest, np.linalg.norm(factors.image - left @ seen))
-    sigma = _noise(float(unexplained), factors.pixels - rank) if noise is None else float(noise)
-    ambient = max(factors.brightness, sigma) / (np.linalg.norm(factors.triangle[:, 0]) / np.sqrt(factors.pixels))
+    sigma = _noise(factors, k) if noise is None else float(noise)
+    first = float(np.linalg.norm(factors.triangle[:, 0]))  # of the ambient light's image
+    ambient = max(factors.brightness, sigma) / (first / np.sqrt(factors.pixels))
     relative = sigma / ambient if ambient else 0.0
+    tail = _tail(factors.order + BEYOND) * first  # over few modes, so that pixels do not average it out
+    modes = 2 * (factors.order + BEYOND) + 5
+    doubt = float(np.hypot(relative, LIKELY * tail * np.sqrt(modes / factors.pixels)))  # a pixel's own
 
-    gain = 1 / values[:rank]
-    alias = np.linalg.norm(left.T @ factors.beyond, axis=1) * gain
-    loud, masked = relative * gain > CUT, alias > CUT
-    kept = ~(loud | masked)
+    decay = _decay(factors.order)
+    plain = _inverse(factors.triangle, np.zeros(k), doubt)
+    noisy, error = _errors(factors.triangle, plain, relative, tail)
+    squares, directions = np.linalg.eigh(error)
+    free = (squares > CUT**2) | (np.linalg.norm(factors.triangle[:, :k] @ directions, axis=0) <= RANK * values[0])
+    lost = squares > TRUSTED**2
+    drowned = lost & (np.einsum("ki,kj,ij->j", directions, directions, noisy) > squares / 2)
     if ridge == 0:
-        inverse = _smoothest(factors.order, np.concatenate([rows[~kept], right[rank:]])) @ (
-            (rows[kept].T * gain[kept]) @ left[:, kept].T
-        )
+        cut = directions[:, free]
+        inverse = _smoothest(decay, cut.T) @ (plain - cut @ (cut.T @ plain))
     else:
-        inverse = _ridged(factors, relative, ridge)
+        inverse = _inverse(factors.triangle, decay * (relative if ridge is None else np.sqrt(ridge) * first), doubt)
     coefficients = inverse @ factors.image
-    std = sigma * np.linalg.norm(inverse, axis=1)
-    unseen = inverse @ factors.triangle - np.eye(len(right))
-    other = np.hypot(np.linalg.norm(inverse @ factors.beyond, axis=1), np.linalg.norm(unseen, axis=1))
-    error = np.hypot(relative * np.linalg.norm(inverse, axis=1), other)
-    misfit = np.hypot(np.linalg.norm(factors.triangle @ coefficients - factors.image), factors.rest)
+    noisy, error = _errors(factors.triangle, inverse, relative, tail)
+    misfit = np.hypot(np.linalg.norm(factors.triangle[:, :k] @ coefficients - factors.image), factors.rest)
     return Solution(
         coefficients,
-        std,
-        other * ambient,
-        error <= TRUSTED,
+        sigma * np.linalg.norm(inverse, axis=1),
+        ambient * np.sqrt(np.maximum(np.diag(error - noisy), 0)),
+        np.diag(error) <= TRUSTED**2,
         values**2,
-        float((values[0] / values[-1]) ** 2) if rank == len(values) else np.inf,
+        float((values[0] / values[-1]) ** 2) if rank == k else np.inf,
         float(misfit / np.sqrt(factors.pixels)),
         sigma,
-        rows[kept],
-        np.concatenate([right[rank:], rows[masked]]),
-        rows[loud & ~masked],
+        directions[:, ~lost].T,
+        directions[:, lost & ~drowned].T[::-1],
+        directions[:, drowned].T[::-1],
     )
 
 
-def _noise(unexplained: float, freedom: int) -> float:
-    """Return a pixel's standard deviation from what no light explains."""
-    if freedom < 1:
-        raise HarmonicFaceError(
-            "noise: expected a number, for no more pixels are left than modes to estimate it from; got None"
-        )
-    return unexplained / float(np.sqrt(freedom))
+def _inverse(triangle: Array, held: Array, doubt: float) -> Array:
+    """Return the matrix from z to the k coefficients; light above the order is fitted too, as far as it is likely."""
+    above = np.full(triangle.shape[1] - len(held), doubt / LIKELY)
+    stacked = np.concatenate([triangle, np.diag(np.concatenate([held, above]))])
+    left, right = np.linalg.qr(stacked)
+    size = np.abs(np.diag(right))
+    if size.min() > RANK * size.max():
+        return np.asarray(np.linalg.solve(right, left[: len(triangle)].T)[: len(held)])
+    return np.asarray(np.linalg.pinv(stacked, rcond=RANK)[: len(held), : len(triangle)])
 
 
-def _smoothest(order: int, free: Array) -> Array:
+def _errors(triangle: Array, inverse: Array, relative: float, tail: float) -> tuple[Array, Array]:
+    """Return the covariance (k, k) of the noise's errors, and of all, for all modes as strong as the ambient one."""
+    spread = inverse @ inverse.T
+    noisy = relative**2 * spread
+    unseen = inverse @ triangle - np.eye(len(inverse), triangle.shape[1])
+    return noisy, noisy + tail**2 * spread + unseen @ unseen.T
+
+
+def _tail(order: int) -> float:
+    """Return how bright each mode above an order is under a lamp, over the ambient light's image."""
+    below = ((2 * np.arange(order + 1) + 1) * (lambertian_filter(order) / np.pi) ** 2).sum()
+    modes = 2 * order + 5  # as if all of it were in the next degree but one
+    return float(np.sqrt(max(8 / 3 - below, 0.0) / modes))  # 8/3: all that a lamp's clamped cosine has
+
+
+def _smoothest(decay: Array, free: Array) -> Array:
     """Return the matrix that adds free directions (rows) to a light until its decay-weighted energy is least."""
-    weight = _decay(order)
-    steps = np.linalg.pinv(weight[:, None] * free.T)  # the ambient light has no weight: pinv moves it least
-    return np.asarray(np.eye(len(weight)) - free.T @ steps @ np.diag(weight))
+    steps = np.linalg.pinv(decay[:, None] * free.T)  # the ambient light has no weight: pinv moves it least
+    return np.asarray(np.eye(len(decay)) - free.T @ steps @ np.diag(decay))
 
 
 def _decay(order: int) -> Array:
-    """Return A_0 / A_l of each mode that is shown; 0 for the ambient light itself, which nothing holds back."""
-    weight = np.pi / lambertian_weights(order)[shown(order)]
+    """Return the root of A_0 / A_l of each mode that is shown; 0 for the ambient light, which nothing holds back."""
+    weight = np.sqrt(np.abs(np.pi / lambertian_weights(order)[shown(order)]))
     weight[0] = 0.0
-    return np.abs(weight)
+    return weight
 
 
-def _ridged(factors: Factors, relative: float, ridge: float | None) -> Array:
-    """Return the matrix from reduced image to coefficients that the decay of the filter holds back."""
-    strength = relative if ridge is None else np.sqrt(ridge) * np.linalg.norm(factors.triangle[:, 0])
-    stacked = np.concatenate([factors.triangle, strength * np.diag(_decay(factors.order))])
-    return np.asarray(np.linalg.pinv(stacked, rcond=RANK**2)[:, : len(factors.triangle)])
+def _noise(factors: Factors, k: int) -> float:
+    """Return a pixel's standard deviation from what no light up to the degrees above the order explains.
+
+    Of few pixels, from what no light of the order explains.
+    """
+    for modes in (factors.triangle.shape[1], k):
+        left, values, _ = np.linalg.svd(factors.triangle[:, :modes], full_matrices=False)
+        left = left[:, values > RANK * values[0]]
+        freedom = factors.pixels - left.shape[1]
+        if freedom >= 1:
+            unexplained = factors.image - left @ (left.T @ factors.image)
+            return float(np.hypot(factors.rest, np.linalg.norm(unexplained)) / np.sqrt(freedom))
+    raise HarmonicFaceError(
+        "noise: expected a number, for no more pixels are left than modes to estimate it from; got None"
+    )

@@ -29,14 +29,15 @@ class LightEstimate:
     ----------
     coefficients
         ((order + 1)^2,) radiance coefficients L_lm; 0 for odd degrees above 1. Along the other modes in
-        `unrecoverable` they are no measurement: of all lights that explain the photograph, the smoothest one's, with
-        the least sum of (A_0 / A_l L_lm)^2 over l > 0.
+        `unrecoverable` they are hardly a measurement; where the error would exceed twice the ambient light, they are
+        those of the smoothest light that explains the photograph: the least sum of (A_0 / |A_l|) L_lm^2 over l > 0.
     std
         Standard deviation of each coefficient that the photograph's noise causes; infinite where `recoverable` is
         false.
     systematic
-        Root mean square error that light above the order and the hidden modes cause, if each of those coefficients
-        were as strong as the ambient one, as they are under a single lamp. Under natural light it is about a quarter.
+        Root mean square error that light above the order and what the normals hide cause, if each mode of it is as
+        strong as the ambient one. Errors on faces stay below it: a third of it under lamps, two thirds under natural
+        light.
     recoverable
         True where noise and systematic error together stay below half of the ambient light.
     singular_values
@@ -49,9 +50,10 @@ class LightEstimate:
     noise
         Standard deviation of a pixel: as given, or what the residual tells.
     unrecoverable
-        The modes, single or combined, that the photograph does not tell, each with its reason.
+        The modes, single or combined, that the photograph does not tell to half of the ambient light, worst first
+        (after the odd degrees), each with its reason.
     determined
-        The modes that are, best known first.
+        The modes that it does, best known first.
     pixels
         How many pixels were used.
     """
@@ -87,13 +89,16 @@ def estimate_light(
     r"""Estimate the distant light of a photograph of a matte convex Surface.
 
     .. math:: \min_L \sum_x \Big( I(x) - \rho(x) \sum_{lm} A_l L_{lm} Y_{lm}(n(x)) \Big)^2
-              + \lambda \sum_{l > 0, m} \Big( \frac{A_0}{A_l} L_{lm} \Big)^2
+              + \lambda \sum_{0 < l \le order} \Big| \frac{A_0}{A_l} \Big| L_{lm}^2
+              + \mu \sum_{l > order} L_{lm}^2
 
     (Ramamoorthi & Hanrahan, On the relationship between radiance and irradiance, 2001, equations 26 and 27, as least
-    squares over the normals that are seen.) Degrees 3, 5, 7 ... have A_l = 0 and are named, not solved for. So are
-    the combinations whose error, from noise and from light above the order, would exceed the ambient light that makes
-    the photograph as bright: a frontal half sphere hides one of them, light from straight behind. The paper's remark
-    that E_4m is about 1 % of E_00 understates the filter: A_4 / A_0 is 4.2 %.
+    squares over the normals that are seen.) Degrees up to six above the order are fitted along, as strong as natural
+    light makes them likely, and thrown away: on a half sphere harmonics are not orthogonal, and what is left out of
+    the fit would pass for light of the order, which there costs several times more than the noise. Degrees 3, 5, 7
+    ... have A_l = 0 and are named, not solved for; so are the modes that noise or the light above the order make
+    useless, as light from behind a face. The paper's remark that E_4m is about 1 % of E_00 understates the filter:
+    A_4 / A_0 is 4.2 %.
 
     Parameters
     ----------
@@ -106,12 +111,13 @@ def estimate_light(
     mask
         (h, w) booleans, the pixels to use; all of the Surface by default.
     noise
-        Standard deviation of a pixel, in the photograph's units. By default it is taken from the residual, which
-        contains what the order leaves out.
+        Standard deviation of a pixel, in the photograph's units. By default it is taken from what no light, up to six
+        degrees above the order, explains.
     ridge
-        0: plain least squares. A positive number: lambda as a fraction of the ambient image's energy, heavier where
-        the filter passes less. "decay": lambda from the noise, as if L_lm were expected at A_l / A_0 of the ambient
-        light. With a ridge nothing is cut off; the modes without a trustworthy number are named all the same.
+        0: none. A positive number: lambda as a fraction of the ambient image's energy, heavier where the filter
+        passes less. "decay": lambda from the noise, as if the variance of L_lm were |A_l| / A_0 of the ambient
+        light's square, which is close to what rooms and streets have. The modes without a trustworthy number are
+        named all the same.
     saturation
         Pixels at or above it, in any channel, are left out.
 

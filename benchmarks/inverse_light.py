@@ -1,0 +1,322 @@
+"""How well, and how fast, does a photograph tell its light? Beside scipy, and beside a mirror ball.
+
+python benchmarks/inverse_light.py [--quick] [--json FILE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lstsq
+from scipy.optimize import linear_sum_assignment, nnls
+from scipy.spatial.transform import Rotation
+
+import harmonicface as hf
+from harmonicface.appearance.inverse import estimate_light
+from harmonicface.appearance.nonnegative_light import fibonacci_sphere, nonnegative_light
+from harmonicface.appearance.sparse_light import sparse_light
+from harmonicface.appearance.sphere_views import combine_sphere_views, relative_errors
+from harmonicface.appearance.texture_separation import separate_texture
+from harmonicface.appearance.uniqueness import light_uniqueness
+from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.harmonics.indexing import degrees
+
+Array = NDArray[np.float64]
+
+NOISE = 0.01
+VIEWS = Rotation.concatenate(
+    [Rotation.from_euler("y", angle, degrees=True) for angle in (0, 90, 180, 270)]
+    + [Rotation.from_euler("x", angle, degrees=True) for angle in (90, -90)]
+)
+
+
+def whole_sphere(size: int) -> hf.Surface:
+    """Return a white surface with evenly spread normals."""
+    normals = fibonacci_sphere(size**2).reshape(size, size, 3)
+    return hf.Surface(normals, np.ones((size, size)))
+
+
+def half_sphere(size: int) -> hf.Surface:
+    """Return a white ball as a camera sees it."""
+    x, y, inside = _disc(size)
+    normals = np.stack([x, y, np.sqrt(np.clip(1 - x**2 - y**2, 0, 1))], axis=-1) * inside[..., None]
+    return hf.Surface(normals, inside * 1.0, inside)
+
+
+def estimation(surface: hf.Surface, name: str, order: int, ridge: float | str, seeds: int) -> Record:
+    """Estimate natural light from noisy photographs; the peer is scipy's least squares on the same images."""
+    errors, peers = [], []
+    images = hf.harmonic_images(surface, order).astype(np.float64)
+    shown = np.abs(images).max(axis=1) > 0
+    for seed in range(seeds):
+        light = hf.lights.natural(seed)
+        photo = _noisy(hf.render(surface, light), seed)
+        truth = light.coefficients(2)
+        found = estimate_light(photo, surface, order, ridge=ridge)  # type: ignore[arg-type]
+        plain = np.zeros(len(images))
+        plain[shown] = lstsq(images[shown].T, photo[surface.mask])[0]
+        low = min(9, len(plain))
+        errors.append(np.linalg.norm(found.coefficients[:low] - truth[:low]) / np.linalg.norm(truth))
+        peers.append(np.linalg.norm(plain[:low] - truth[:low]) / np.linalg.norm(truth))
+    lost = [mode.name for mode in found.unrecoverable if "odd" not in mode.reason]
+    return Record(
+        name=f"estimate_light, order {order}, ridge {ridge}",
+        size=f"{name}, {int(surface.mask.sum())} pixels",
+        seconds=best_seconds(lambda: estimate_light(photo, surface, order, ridge=ridge)),  # type: ignore[arg-type]
+        error=float(np.median(errors)),
+        peer="scipy lstsq on the images, made anew",
+        peer_seconds=best_seconds(
+            lambda: lstsq(hf.harmonic_images(surface, order).astype(np.float64)[shown].T, photo[surface.mask])
+        ),
+        note=(
+            f"error: median relative L2 of orders 0-2 over {seeds} natural lights, 1 % noise; peer's error"
+            f" {np.median(peers):.4f}; condition {found.condition:.3g}; {int(found.recoverable.sum())} of {len(plain)}"
+            f" coefficients recoverable; {len(lost)} even modes hidden or drowned: {lost[:1]}"
+        ),
+    )
+
+
+def honesty(surface: hf.Surface, name: str, order: int, draws: int) -> Record:
+    """Compare the standard deviations that are told with those of drawn noise."""
+    photo = np.asarray(hf.render(surface, hf.lights.natural(0)), np.float64)
+    rng = np.random.default_rng(0)
+    start = time.perf_counter()
+    found = [
+        estimate_light(photo + rng.normal(0, NOISE, photo.shape), surface, order, noise=NOISE) for _ in range(draws)
+    ]
+    seconds = (time.perf_counter() - start) / draws
+    sure = found[0].recoverable
+    ratio = np.std([each.coefficients for each in found], axis=0)[sure] / found[0].std[sure]
+    return Record(
+        name=f"standard deviations, order {order}",
+        size=f"{name}, {draws} draws",
+        seconds=seconds,
+        error=float(np.abs(ratio - 1).max()),
+        note=f"error: worst |drawn / told - 1| of {int(sure.sum())} coefficients; root mean square"
+        f" {np.sqrt(np.mean((ratio - 1) ** 2)):.3f}",
+    )
+
+
+def nonnegative(seeds: int) -> Record:
+    """Fit non-negative lamps to faces; the peer is scipy's nnls on all pixels."""
+    face = hf.synthetic_person(3, 48)
+    grid = fibonacci_sphere(250)
+    pictures = face.pixel_albedo[:, None] * np.maximum(face.pixel_normals.astype(np.float64) @ grid.T, 0)
+    errors, free = [], []
+    for seed in range(seeds):
+        light = hf.lights.natural(seed)
+        photo = _noisy(hf.render(face, light), seed)
+        truth = light.coefficients(2)
+        errors.append(_relative(nonnegative_light(photo, face, 250).light.coefficients(2), truth))
+        free.append(_relative(estimate_light(photo, face).coefficients, truth))
+    return Record(
+        name="nonnegative_light",
+        size=f"face, {int(face.mask.sum())} pixels, 250 directions",
+        seconds=best_seconds(lambda: nonnegative_light(photo, face, 250), 3),
+        error=float(np.median(errors)),
+        peer="scipy nnls on all pixels",
+        peer_seconds=best_seconds(lambda: nnls(pictures, photo[face.mask], maxiter=10000), 1),
+        note=f"error: median relative L2 of orders 0-2; of estimate_light {np.median(free):.4f}",
+    )
+
+
+def lamps(count: int, noise: float, seeds: int) -> Record:
+    """Find lamps on a face."""
+    face = hf.synthetic_person(3, 48)
+    normals = face.normals.astype(np.float64)
+    normals[face.mask] /= np.linalg.norm(normals[face.mask], axis=1, keepdims=True)
+    face = hf.Surface(normals, face.albedo.astype(np.float64), face.mask)
+    off, told, right, seconds = [], [], 0, []
+    for seed in range(seeds):
+        directions, strengths = _apart(np.random.default_rng(seed), count)
+        photo = face.albedo * (np.maximum(face.normals @ directions.T, 0) @ strengths)
+        photo = photo + np.random.default_rng(seed).normal(0, noise, photo.shape) * face.mask
+        start = time.perf_counter()
+        found = sparse_light(photo, face)
+        seconds.append(time.perf_counter() - start)
+        if len(found.light.directions) == count:
+            right += 1
+            towards = found.light.directions
+            angles = np.arctan2(
+                np.linalg.norm(np.cross(directions[:, None], towards[None]), axis=2), directions @ towards.T
+            )
+            off.append(np.degrees(angles[linear_sum_assignment(angles)]))
+            told.append(found.std_degrees)
+    return Record(
+        name=f"sparse_light, {count} lamps, noise {noise}",
+        size=f"face, {int(face.mask.sum())} pixels, {seeds} lights",
+        seconds=float(np.median(seconds)),
+        error=float(np.sqrt(np.mean(np.square(off)))),
+        note=f"error: root mean square degrees, worst {np.max(off):.3g}, told {np.sqrt(np.mean(np.square(told))):.3g};"
+        f" the number of lamps, not given, right in {right} of {seeds}",
+    )
+
+
+def ball_photos(light: hf.EnvironmentMap, size: int, noise: float, limb: Callable[[Array], Array]) -> list[Array]:
+    """Photograph a matte ball from six sides by exact sums of clamped cosines."""
+    rng = np.random.default_rng(0)
+    x, y, inside = _disc(size)
+    normals = np.stack([x, y, np.sqrt(np.clip(1 - x**2 - y**2, 0, 1))], axis=-1)[inside]
+    photos = []
+    for turn in VIEWS.as_matrix():
+        values = light.irradiance(normals @ turn.T) * (1 + limb(normals[:, 2]))
+        photo = np.zeros((size, size))
+        photo[inside] = values + rng.normal(0, noise * values.mean(), len(values))
+        photos.append(photo)
+    return photos
+
+
+def experiment(seed: int, size: int, law: str) -> list[Record]:
+    """Compare a mirror ball's light with a matte ball's: with noise, and with 2 % of bias in B beside it."""
+    light = hf.lights.natural(seed, 32)
+    real = light.converted("mirrorball", 256).coefficients(4)
+    shape = {"linear": lambda c: c - 1, "logarithmic": lambda c: np.log(np.maximum(c, 0.05))}[law]
+    bare = combine_sphere_views(ball_photos(light, size, 0, lambda c: 0 * c), VIEWS, highlight=np.inf)
+    full = combine_sphere_views(ball_photos(light, size, 0, lambda c: 0.05 * shape(c)), VIEWS, highlight=np.inf)
+    areas = bare.solid_angles
+    departure = full.values - bare.values * (areas * full.values @ bare.values) / (areas * bare.values @ bare.values)
+    relative = np.sqrt((areas @ departure**2) / (areas @ bare.values**2))
+    records = []
+    for name, noise, bias in (("noise 1 %", 0.01, 0.0), (f"noise 1 %, bias 2 % ({law} limb)", 0.01, 0.02)):
+        strength = 0.05 * bias / relative
+        photos = ball_photos(light, size, noise, lambda c, s=strength: s * shape(c))  # type: ignore[misc]
+        views = combine_sphere_views(photos, VIEWS, highlight=np.inf)
+        found, irradiance = views.light(4).values, views.coefficients(4)
+        errors = relative_errors(found, real)
+        third = np.linalg.norm(irradiance[degrees(4) == 3]) / np.linalg.norm(irradiance)
+        records.append(
+            Record(
+                name=f"matte ball against mirror ball, {name}",
+                size=f"natural light {seed}, six photos {size} x {size}",
+                seconds=best_seconds(lambda p=photos: combine_sphere_views(p, VIEWS).light(4), 3),  # type: ignore[misc]
+                error=_scaled(found[:9], real[:9]),
+                note=f"error: relative L2 of orders 0-2; of order 4 {errors[4]:.3f}; order-3 irradiance {third:.5f} of all",
+            )
+        )
+        if bias and seed == 0 and law == "linear":
+            print(_table(irradiance, found, real))
+    return records
+
+
+def _table(irradiance: Array, found: Array, real: Array) -> str:
+    """Return the experiment's table: E_lm, the filter, recovered and real light after one scale."""
+    scale = (found[:9] @ real[:9]) / (found[:9] @ found[:9])
+    filters = (np.pi, 2 * np.pi / 3, np.pi / 4, 0.0, -np.pi / 24)
+    lines = ["(l, m)      E_lm      A_l   recovered   real"]
+    for i, degree in enumerate(degrees(4)):
+        recovered = f"{scale * found[i]:9.3f} {real[i]:9.3f}" if degree != 3 else f"{'':9} {'':9}"
+        mode = i - degree * (degree + 1)
+        lines.append(f"({degree},{mode:2d}) {scale * irradiance[i]:9.4f} {filters[degree]:8.3f} {recovered}")
+    return "\n".join(lines)
+
+
+def texture(seeds: int) -> Record:
+    """Separate texture from light on faces; beside it the photograph itself, taken for texture."""
+    ours, raw = [], []
+    for seed in range(seeds):
+        face = hf.synthetic_person(seed, 48)
+        photo = np.asarray(hf.render(face, hf.lights.natural(seed)), np.float64)
+        truth = face.albedo[face.mask].astype(np.float64)
+        split = separate_texture(photo, face, mean_albedo=float(truth.mean()))
+        inside = split.told[face.mask]
+        ours.append(_relative(split.texture[face.mask][inside], truth[inside]))
+        raw.append(_relative(photo[face.mask] * truth.mean() / photo[face.mask].mean(), truth))
+    return Record(
+        name="separate_texture",
+        size=f"{seeds} faces 48 x 48 under natural light",
+        seconds=best_seconds(lambda: separate_texture(photo, face), 3),
+        error=float(np.median(ours)),
+        note=f"error: median relative L2 of the albedo; the photograph's own, scaled: {np.median(raw):.3f}",
+    )
+
+
+def uniqueness() -> list[Record]:
+    """Ask how much of a light may be elsewhere without any matte surface showing it."""
+    corners = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    four = sum((hf.lights.directional(c) for c in corners[1:]), start=hf.lights.directional(corners[0]))
+    records = []
+    for name, light in (("four lamps, a tetrahedron", four), ("natural light 32 x 64", hf.lights.natural(0))):
+        report = light_uniqueness(light)
+        assert report.alternative is not None
+        normals = fibonacci_sphere(1000)
+        exact = light.irradiance(normals)
+        records.append(
+            Record(
+                name="light_uniqueness",
+                size=name,
+                seconds=best_seconds(lambda light=light: light_uniqueness(light), 3),  # type: ignore[misc]
+                error=float(np.abs(report.alternative.irradiance(normals) - exact).max() / exact.max()),
+                note=f"error: relative difference of irradiance to another light that differs in"
+                f" {100 * report.share:.2f} % (bound {100 * report.bound:.2f} %)",
+            )
+        )
+    return records
+
+
+def _noisy(picture: object, seed: int) -> Array:
+    """Add white noise of 1 % of full scale."""
+    photo = np.asarray(picture, np.float64)
+    return photo + np.random.default_rng(seed).normal(0, NOISE, photo.shape)
+
+
+def _relative(found: Array, truth: Array) -> float:
+    return float(np.linalg.norm(found - truth) / np.linalg.norm(truth))
+
+
+def _scaled(found: Array, truth: Array) -> float:
+    return _relative(found * (found @ truth) / (found @ found), truth)
+
+
+def _disc(size: int) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Return coordinates of pixel centres, and which are on the ball."""
+    centre = (np.arange(size) + 0.5) / size * 2 - 1
+    x, y = np.meshgrid(centre, -centre)
+    return x, y, x**2 + y**2 < 0.9999
+
+
+def _apart(rng: np.random.Generator, count: int) -> tuple[Array, Array]:
+    """Return lamps in front, at least 25 degrees apart."""
+    while True:
+        directions = rng.normal(size=(count, 3))
+        directions[:, 2] = np.abs(directions[:, 2])
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        if (directions @ directions.T - 2 * np.eye(count)).max() < np.cos(np.radians(25)):
+            return directions, rng.uniform(0.3, 1.0, count)
+
+
+def records(quick: bool) -> list[Record]:
+    """Return all measurements."""
+    seeds, draws, size = (4, 200, 64) if quick else (16, 400, 96)
+    face = hf.synthetic_person(3, 64)
+    found = [
+        estimation(surface, name, order, ridge, seeds)
+        for name, surface in (("whole sphere", whole_sphere(64)), ("half sphere", half_sphere(64)), ("face", face))
+        for order, ridge in ((2, 0.0), (2, "decay"), (4, "decay"), (8, 0.0))
+    ]
+    found += [honesty(whole_sphere(32), "whole sphere", 2, draws), honesty(half_sphere(32), "half sphere", 4, draws)]
+    found += [nonnegative(seeds)]
+    found += [lamps(count, noise, seeds) for count in (1, 2, 3) for noise in (0.0, NOISE)]
+    for seed in range(2 if quick else 5):
+        found += experiment(seed, size, "linear")
+        found += experiment(seed, size, "logarithmic")[1:]
+    return [*found, texture(seeds), *uniqueness()]
+
+
+def main() -> None:
+    """Print the records, and write them if asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="fewer lights and smaller pictures")
+    parser.add_argument("--json", help="write the records here")
+    options = parser.parse_args()
+    found = records(options.quick)
+    print_records(found)
+    if options.json:
+        write_records(options.json, found)
+
+
+if __name__ == "__main__":
+    main()
