@@ -64,6 +64,18 @@ def to_pyshtools(coefficients: ArrayLike, normalization: Normalization = "4pi", 
 def from_pyshtools(cilm: ArrayLike, normalization: Normalization = "4pi", csphase: int = 1) -> Floats:
     """Return real coefficients from the array `cilm` of pyshtools, the inverse of `to_pyshtools`.
 
+    Parameters
+    ----------
+    cilm
+        (2, order + 1, order + 1, ...): cosines and sines, degree l, mode m.
+    normalization, csphase
+        As in `to_pyshtools`.
+
+    Returns
+    -------
+    array
+        ((order + 1)^2, ...) real coefficients.
+
     Raises
     ------
     HarmonicFaceError

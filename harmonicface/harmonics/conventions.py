@@ -48,6 +48,21 @@ def to_four_pi(coefficients: ArrayLike) -> Floats:
 
     The harmonics are sqrt(4 pi) times larger, so the coefficients are that much smaller: c_00 is the mean.
 
+    Parameters
+    ----------
+    coefficients
+        ((order + 1)^2, ...) orthonormal coefficients.
+
+    Returns
+    -------
+    array
+        4-pi normalized coefficients, of the same shape.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A count that is not a square number, NaN or infinity.
+
     Examples
     --------
     >>> to_four_pi([math.sqrt(4 * math.pi)]).round(6)
@@ -59,6 +74,21 @@ def to_four_pi(coefficients: ArrayLike) -> Floats:
 
 def from_four_pi(coefficients: ArrayLike) -> Floats:
     """Return orthonormal coefficients from 4-pi normalized ones, the inverse of `to_four_pi`.
+
+    Parameters
+    ----------
+    coefficients
+        ((order + 1)^2, ...) 4-pi normalized coefficients.
+
+    Returns
+    -------
+    array
+        Orthonormal coefficients, of the same shape.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A count that is not a square number, NaN or infinity.
 
     Examples
     --------
@@ -104,6 +134,16 @@ def to_scipy(coefficients: ArrayLike) -> Complexes:
 def from_scipy(coefficients: ArrayLike) -> Floats:
     """Return real coefficients from those that go with `scipy.special.sph_harm_y_all`, the inverse of `to_scipy`.
 
+    Parameters
+    ----------
+    coefficients
+        (order + 1, 2 order + 1, ...) complex coefficients of a real function.
+
+    Returns
+    -------
+    array
+        ((order + 1)^2, ...) real coefficients.
+
     Raises
     ------
     HarmonicFaceError
@@ -128,6 +168,21 @@ def to_sphericart(harmonics: ArrayLike) -> Floats:
 
     Order, phase and scale are the same, so coefficients need no conversion.
 
+    Parameters
+    ----------
+    harmonics
+        ((order + 1)^2, n) values, coefficient-major.
+
+    Returns
+    -------
+    array
+        (n, (order + 1)^2), contiguous.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A count that is not a square number, NaN or infinity.
+
     Examples
     --------
     >>> to_sphericart(np.zeros((9, 4))).shape
@@ -139,6 +194,21 @@ def to_sphericart(harmonics: ArrayLike) -> Floats:
 
 def from_sphericart(harmonics: ArrayLike) -> Floats:
     """Return harmonics coefficient-major, (k, n), from sphericart's (n, k).
+
+    Parameters
+    ----------
+    harmonics
+        (n, (order + 1)^2) values, a row a direction.
+
+    Returns
+    -------
+    array
+        ((order + 1)^2, n), contiguous.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A count that is not a square number, NaN or infinity.
 
     Examples
     --------

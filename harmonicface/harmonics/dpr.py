@@ -48,6 +48,16 @@ def from_dpr(numbers: ArrayLike) -> Floats:
 def to_dpr(coefficients: ArrayLike) -> Floats:
     """Return the nine numbers of a DPR light file from light coefficients of order 2, the inverse of `from_dpr`.
 
+    Parameters
+    ----------
+    coefficients
+        (9,) or (9, channels), in our axes.
+
+    Returns
+    -------
+    array
+        The nine numbers in DPR's axes; `numpy.savetxt` writes them as its files are.
+
     Raises
     ------
     HarmonicFaceError
