@@ -194,7 +194,8 @@ def experiment(seed: int, size: int, law: str) -> list[Record]:
                 size=f"natural light {seed}, six photos {size} x {size}",
                 seconds=best_seconds(lambda p=photos: combine_sphere_views(p, VIEWS).light(4), 3),  # type: ignore[misc]
                 error=_scaled(found[:9], real[:9]),
-                note=f"error: relative L2 of orders 0-2; of order 4 {errors[4]:.3f}; order-3 irradiance {third:.5f} of all",
+                note=f"error: relative L2 of orders 0-2; of order 4 {errors[4]:.3f};"
+                f" order-3 irradiance {third:.5f} of all",
             )
         )
         if bias and seed == 0 and law == "linear":
