@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 BEYOND = 6  # degrees above the order whose light may pass for light of the order: the filter lets next to none above
 LIKELY = 0.3  # strength of a mode above the order, over the ambient one: natural light's, and a third of a lamp's
 RANK = 1e-6  # of the largest singular value of the images; below, float32 normals differ by rounding alone
-CUT = 2.0  # a direction whose error exceeds twice the ambient light is filled by smoothness, not by the photograph
-TRUSTED = 0.5  # a coefficient or direction is recoverable while its error stays below this share of it
+CUT = 2.0  # of the ambient light: a direction with a larger error is filled by smoothness, not by the photograph
+TRUSTED = 0.5  # of the ambient light: coefficients and directions with a smaller error are recoverable
 ROWS = 1 << 15  # pixels at a time
 
 
