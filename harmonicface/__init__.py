@@ -1,18 +1,25 @@
 """Recognize faces under any lighting, and measure light and shape, with harmonic subspaces."""
 
 from harmonicface.appearance.basis import harmonic_images
+from harmonicface.appearance.inverse import LightEstimate, estimate_light
 from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Candidate, Match
+from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics.rotation import rotate as rotate_harmonics
 from harmonicface.io.images import read_image, write_image
 from harmonicface.lighting import lights
 from harmonicface.lighting.environment import EnvironmentMap
 from harmonicface.lighting.light import HarmonicLight, Light
+from harmonicface.lighting.prefiltered import irradiance_map, reflection_map
 from harmonicface.people.synthetic import synthetic_people, synthetic_person
 from harmonicface.recognition.subspace import Subspace
 from harmonicface.recognition.verification import Verification, verify
+from harmonicface.reflectance.filters import lambertian_filter
+from harmonicface.reflectance.microfacet import microfacet_filter
+from harmonicface.reflectance.phong import phong_filter
 from harmonicface.surfaces.depth import surface_from_depth
 from harmonicface.surfaces.load import load_surface, surface_from_normals
 from harmonicface.surfaces.surface import Surface
@@ -26,17 +33,26 @@ __all__ = [
     "HarmonicFaceError",
     "HarmonicLight",
     "Light",
+    "LightEstimate",
     "Match",
     "Subspace",
     "Surface",
     "Verification",
     "__version__",
+    "estimate_light",
     "harmonic_images",
+    "irradiance_map",
+    "lambertian_filter",
     "lights",
     "load_surface",
+    "microfacet_filter",
+    "phong_filter",
     "photograph",
     "read_image",
+    "real_harmonics",
+    "reflection_map",
     "render",
+    "rotate_harmonics",
     "surface_from_depth",
     "surface_from_normals",
     "synthetic_people",

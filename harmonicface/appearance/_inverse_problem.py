@@ -138,7 +138,7 @@ def solved(factors: Factors, noise: float | None, ridge: float | None) -> Soluti
     squares, directions = np.linalg.eigh(error)
     free = (squares > CUT**2) | (np.linalg.norm(factors.triangle[:, :k] @ directions, axis=0) <= RANK * values[0])
     lost = squares > TRUSTED**2
-    drowned = lost & (np.einsum("ki,kj,ij->j", directions, directions, noisy) > squares / 2)
+    drowned = lost & (np.einsum("aj,ab,bj->j", directions, noisy, directions) > squares / 2)
     if ridge == 0:
         cut = directions[:, free]
         inverse = _smoothest(decay, cut.T) @ (plain - cut @ (cut.T @ plain))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface._validate import Floats
 from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
@@ -16,7 +17,6 @@ from harmonicface.bench.contenders import METHODS, Contender, GalleryContender, 
 from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.harmonics._memory import require
 from harmonicface.lighting.light import Light
 from harmonicface.people.synthetic import synthetic_people
 from harmonicface.surfaces.surface import Surface

@@ -9,10 +9,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics import _memory
 from harmonicface.harmonics._blocks import all_harmonics, low_harmonics
 from harmonicface.harmonics.indexing import count
 

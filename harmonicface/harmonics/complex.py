@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics import _memory
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count, modes, order_of
 

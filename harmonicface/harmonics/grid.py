@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_legendre
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics import _memory
 from harmonicface.harmonics._blocks import recursion
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count

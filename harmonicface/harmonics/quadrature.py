@@ -7,9 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics import _memory
 from harmonicface.harmonics.grid import SphereGrid, meridian, sphere_grid
 from harmonicface.harmonics.indexing import count, order_of
 from harmonicface.harmonics.scattered import fit

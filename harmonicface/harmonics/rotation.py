@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics import _memory
 from harmonicface.harmonics.indexing import order_of
 from harmonicface.harmonics.wigner import CACHED_DEGREE, LARGEST_DEGREE, quarter_turn
 

@@ -8,9 +8,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics import _memory
 
 LARGEST_DEGREE = 1024  # beyond, the corner 2^-l of d^l(pi/2), which the recursion starts from, leaves the doubles
 CACHED_DEGREE = 128  # quarter turns are kept up to here: 5.8 MB for all of them

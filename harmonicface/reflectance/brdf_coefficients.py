@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics._memory import require
 from harmonicface.harmonics.indexing import count, index
 from harmonicface.reflectance import _brdf_quadrature as quadrature
 from harmonicface.reflectance._brdf_quadrature import Complexes, Reals

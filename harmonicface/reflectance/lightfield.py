@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics._memory import require
 from harmonicface.harmonics.complex import complex_harmonics, to_complex
 from harmonicface.harmonics.indexing import count, degrees, order_of
 from harmonicface.reflectance._brdf_quadrature import Complexes, Reals

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics._memory import require
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.complex import to_complex
 from harmonicface.harmonics.indexing import count

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics._memory import require
 from harmonicface.harmonics.indexing import order_of
 from harmonicface.harmonics.rotation import rotation_blocks
 from harmonicface.reflectance._brdf_quadrature import Reals

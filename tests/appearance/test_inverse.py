@@ -305,3 +305,13 @@ def test_bad_input() -> None:
     with pytest.raises(hf.HarmonicFaceError, match="photo: expected pixels in the masks"):
         lower = hf.Surface(surface.normals, photo, mask=np.tri(8, dtype=bool))
         estimate_light(photo, lower, mask=~np.tri(8, dtype=bool))
+
+
+def test_what_normals_hide_is_no_matter_of_noise_and_what_noise_drowns_is_not_hidden() -> None:
+    """A half sphere hides the light from behind however quiet; on the whole sphere only noise can take modes away."""
+    quiet = estimate_light(hf.render(half_sphere(), hf.lights.natural(0)), half_sphere(), 2, noise=1e-6)
+    assert [mode.reason.split(":")[0] for mode in quiet.unrecoverable] == ["hidden"]
+    surface = whole_sphere(12)
+    loud = estimate_light(hf.render(surface, hf.lights.natural(0)), surface, 4, noise=0.6)
+    reasons = {mode.reason.split(":")[0] for mode in loud.unrecoverable if not mode.reason.startswith("an odd")}
+    assert reasons == {"lost in noise"}

@@ -122,6 +122,6 @@ def test_coefficients_that_are_none(coefficients: object, message: str) -> None:
 
 def test_values_beyond_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     grid = latlong_grid(1000, 2000)
-    monkeypatch.setattr("harmonicface.harmonics._memory.physical_memory", lambda: 10**7)
+    monkeypatch.setattr("harmonicface._memory.physical_memory", lambda: 10**7)
     with pytest.raises(HarmonicFaceError, match=r"values on a grid of \(1000, 2000\): need 0.048 GB of memory"):
         synthesize(np.ones(4), grid)

@@ -139,6 +139,6 @@ def test_no_order(order: int, message: str) -> None:
 
 
 def test_blocks_beyond_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harmonicface.harmonics._memory.physical_memory", lambda: 10**9)
+    monkeypatch.setattr("harmonicface._memory.physical_memory", lambda: 10**9)
     with pytest.raises(HarmonicFaceError, match=r"rotation matrices up to order 1000: need 10.7 GB of memory"):
         rotation_blocks(np.eye(3), 1000)

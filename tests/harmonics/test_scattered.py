@@ -114,6 +114,6 @@ def test_bad_input(random_directions, changes: dict, message: str) -> None:
 
 
 def test_more_than_the_memory_holds(random_directions, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harmonicface.harmonics._memory.physical_memory", lambda: 10**4)
+    monkeypatch.setattr("harmonicface._memory.physical_memory", lambda: 10**4)
     with pytest.raises(HarmonicFaceError, match=r"a fit of order 2 to 100 samples: need 2.16e-05 GB of memory"):
         fit(random_directions(100), np.ones(100), 2)

@@ -256,7 +256,7 @@ UP = [0.0, 0.0, 1.0]
     ],
 )
 def test_bad_input(call, message: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harmonicface.harmonics._memory.physical_memory", lambda: 10**9)
+    monkeypatch.setattr("harmonicface._memory.physical_memory", lambda: 10**9)
     with pytest.raises(HarmonicFaceError, match=message) as raised:
         call()
     assert "\n" not in str(raised.value)

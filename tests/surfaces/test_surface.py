@@ -163,7 +163,7 @@ def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
         raise OSError("No space left on device")
 
     monkeypatch.setattr(np, "savez", full)
-    with pytest.raises(HarmonicFaceError, match="cannot write .*: No space left"):
+    with pytest.raises(HarmonicFaceError, match=r"cannot write .*: No space left"):
         make(seed=1).save(tmp_path / "a.npz")
     assert same(surface, Surface.load(tmp_path / "a.npz"))
     assert [path.name for path in tmp_path.iterdir()] == ["a.npz"]

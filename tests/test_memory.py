@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harmonicface import _memory
+from harmonicface._memory import physical_memory
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics import _memory
-from harmonicface.harmonics._memory import physical_memory
 
 
 @pytest.fixture(autouse=True)
