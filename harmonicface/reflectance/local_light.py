@@ -15,6 +15,8 @@ from harmonicface.harmonics.indexing import order_of
 from harmonicface.harmonics.rotation import rotation_blocks
 from harmonicface.reflectance._brdf_quadrature import Reals
 
+POLE = 1e-300  # nearer to the pole a normal has no azimuth: subnormal numbers have lost their digits
+
 
 def tangent_frames(normals: ArrayLike, gamma: ArrayLike = 0.0) -> Reals:
     """Return R = Rz(beta) Ry(alpha) Rz(gamma) of each normal: columns are tangent, bitangent and normal.
@@ -46,7 +48,8 @@ def tangent_frames(normals: ArrayLike, gamma: ArrayLike = 0.0) -> Reals:
     unit, turn = oriented(normals, gamma)
     x, y, z = np.moveaxis(unit, -1, 0)
     sine = np.hypot(x, y)
-    along = np.stack([np.where(sine > 0, x, 1.0), y], axis=-1) / np.where(sine > 0, sine, 1.0)[..., None]
+    turned = (sine > POLE)[..., None]
+    along = np.where(turned, np.stack([x, y], axis=-1), [1.0, 0.0]) / np.where(turned, sine[..., None], 1.0)
     down = np.stack([along[..., 0] * z, along[..., 1] * z, -sine], axis=-1)
     side = np.stack([-along[..., 1], along[..., 0], np.zeros_like(z)], axis=-1)
     cosine, sine = np.cos(turn)[..., None], np.sin(turn)[..., None]
@@ -87,7 +90,7 @@ def local_light(light: ArrayLike, normals: ArrayLike, gamma: ArrayLike = 0.0) ->
     unit, turn = oriented(normals, gamma)
     x, y, z = np.moveaxis(unit, -1, 0)
     sine = np.hypot(x, y)
-    beta = np.where(sine > 0, np.arctan2(y, x), 0.0)  # not pi for x = -0
+    beta = np.where(sine > POLE, np.arctan2(y, x), 0.0)  # not pi for x = -0
     turn, alpha, beta = np.broadcast_arrays(turn, np.arctan2(sine, z), beta)
     columns = coefficients.reshape(len(coefficients), 1, -1)
     order = order_of(len(columns))
