@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, cast
 
 import numpy as np
 import typer
-from numpy.typing import NDArray
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.bench.benchmark import run_benchmark
+from harmonicface.bench.console import print_table, progress
 from harmonicface.bench.contenders import METHODS
 from harmonicface.bench.report import results, write_report
 from harmonicface.bench.table import error_table, margin_table, yale_table
@@ -28,19 +23,15 @@ from harmonicface.datasets.yale_b import parse_people
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
-from harmonicface.io.colour import luminance
+from harmonicface.gallery.sources import MeshView, read_mask, read_source, read_surface
 from harmonicface.io.files import alone_in
 from harmonicface.io.images import read_image, write_image
-from harmonicface.io.meshes import ENDINGS as MESH_ENDINGS
 from harmonicface.io.pictures import signed_colours
 from harmonicface.lighting.environment import EnvironmentMap
 from harmonicface.lighting.layouts import LAYOUTS
-from harmonicface.surfaces.load import load_surface
-from harmonicface.surfaces.surface import Surface
 
-USAGE_ERROR: type[Exception] = typer.BadParameter.__mro__[
-    1
-]  # what typer raises for a wrong option; it has no public name
+# What typer raises for a wrong option; it has no public name.
+USAGE_ERROR: type[Exception] = typer.BadParameter.__mro__[1]
 
 app = typer.Typer(
     help="Recognize faces under any lighting with harmonic subspaces.",
@@ -80,16 +71,14 @@ def bench(
 ) -> None:
     """Recognize synthetic people under light that no gallery picture showed, by every method."""
     _make_folder(out)  # before the work rather than after it
-    with _progress() as tell:
+    with progress() as tell:
         result = run_benchmark(faces, size, seed, queries, _methods(methods), tell)
     page = write_report(result, out)
     if as_json:
         typer.echo(json.dumps(results(result)))
         return
-    _print_table("Wrong answers by kind of light, %; milliseconds a photograph; KiB a person", *error_table(result))
-    _print_table(
-        "Nine harmonic images: margin of the right person; who is refused as unknown, %", *margin_table(result)
-    )
+    print_table("Wrong answers by kind of light, %; milliseconds a photograph; KiB a person", *error_table(result))
+    print_table("Nine harmonic images: margin of the right person; who is refused as unknown, %", *margin_table(result))
     typer.echo(f"\nReport: {page.resolve()}")
 
 
@@ -116,7 +105,9 @@ def enroll(
     """Add a person to a gallery."""
     with alone_in(gallery.parent):
         people = _gallery(gallery, mask)
-        people.enroll(name, _source(source, transfer, size, texture, flip_texture, rotation, frame))
+        people.enroll(
+            name, read_source(source, _view(size, texture, flip_texture, rotation, frame), transfer, usual_size=64)
+        )
         people.save(gallery)
     typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
 
@@ -131,30 +122,7 @@ def _gallery(path: Path, mask: Path | None) -> Gallery:
         raise HarmonicFaceError(f"mask: expected it with a new gallery only, got {path}, which has its own")
     if begun:
         return Gallery.open(path)
-    return Gallery(mask=None if mask is None else _grey(read_image(mask, "linear")) > 0.5)
-
-
-def _source(
-    paths: list[Path],
-    transfer: str | None,
-    size: int | None,
-    texture: Path | None,
-    flip_texture: bool,
-    rotation: str | None,
-    frame: str | None,
-) -> Surface | NDArray[np.float32]:
-    """Read what a person is enrolled from."""
-    if len(paths) == 1 and paths[0].suffix.lower() in (".npz", *MESH_ENDINGS):
-        if transfer is not None:
-            raise HarmonicFaceError("transfer: expected it with photographs only, got a mesh or Surface")
-        return _surface(paths[0], size, 64, texture, flip_texture, rotation, frame)
-    if flip_texture or (size, texture, rotation, frame) != (None, None, None, None):
-        raise HarmonicFaceError("enroll: expected the options of a view with one mesh only, got photographs")
-    return _photographs(paths, transfer)
-
-
-def _grey(picture: NDArray[np.float32]) -> NDArray[np.float32]:
-    return picture if picture.ndim == 2 else np.asarray(luminance(picture), np.float32)
+    return Gallery(mask=None if mask is None else read_mask(mask))
 
 
 @app.command()
@@ -195,7 +163,7 @@ def images(
     frame: FrameOption = None,
 ) -> None:
     """Write the harmonic images of a face as pictures: red adds light, blue takes it away."""
-    surface = _surface(source, size, 256, texture, flip_texture, rotation, frame)
+    surface = read_surface(source, _view(size, texture, flip_texture, rotation, frame), usual_size=256)
     pictures = harmonic_images(surface, order)
     scale = float(np.quantile(np.abs(pictures), 0.995))
     _make_folder(out)
@@ -237,7 +205,7 @@ def light(
         for degree in range(order + 1)
         for mode in range(-degree, degree + 1)
     ]
-    _print_table(f"{map_} ({layout})", ["l", "m", "red", "green", "blue"], rows)
+    print_table(f"{map_} ({layout})", ["l", "m", "red", "green", "blue"], rows)
 
 
 @evaluate.command("yale-b")
@@ -250,12 +218,12 @@ def evaluate_yale(
 ) -> None:
     """Recognize real photographs: the Extended Yale Face Database B, trained on frontal light."""
     numbers = None if people is None else parse_people(people)
-    with _progress() as tell:
+    with progress() as tell:
         result = evaluate_yale_b(folder, numbers, train, _methods(methods), tell)
     if as_json:
         typer.echo(json.dumps(asdict(result)))
         return
-    _print_table(f"Wrong answers by subset, %, trained on {train}; milliseconds a photograph", *yale_table(result))
+    print_table(f"Wrong answers by subset, %, trained on {train}; milliseconds a photograph", *yale_table(result))
 
 
 def main() -> None:
@@ -275,26 +243,6 @@ def _refuse(reason: str) -> NoReturn:
     sys.exit(2)
 
 
-def _surface(
-    path: Path,
-    size: int | None,
-    usual: int,
-    texture: Path | None,
-    flip: bool,
-    rotation: str | None,
-    frame: str | None,
-) -> Surface:
-    """Load a Surface, a mesh at the usual size if no other is given; a saved one has been viewed already."""
-    return load_surface(
-        path,
-        usual if size is None and path.suffix.lower() != ".npz" else size,
-        texture=texture,
-        flip_texture=flip,
-        rotation=None if rotation is None else _numbers(rotation, 3, "rotation"),
-        frame=None if frame is None else _numbers(frame, 4, "frame"),
-    )
-
-
 def _make_folder(path: Path) -> None:
     """Make a folder if it is not there."""
     try:
@@ -303,15 +251,17 @@ def _make_folder(path: Path) -> None:
         raise HarmonicFaceError(f"cannot make the folder {path}: {error.strerror}") from None
 
 
-def _photographs(paths: list[Path], transfer: str | None) -> NDArray[np.float32]:
-    """Read photographs of one size."""
-    photos = [read_image(path, transfer) for path in paths]
-    for path, photo in zip(paths, photos, strict=True):
-        if photo.shape != photos[0].shape:
-            raise HarmonicFaceError(
-                f"{path}: expected the size of {paths[0]}, {photos[0].shape[:2]}, got {photo.shape[:2]}"
-            )
-    return np.stack(photos)
+def _view(
+    size: int | None, texture: Path | None, flip_texture: bool, rotation: str | None, frame: str | None
+) -> MeshView:
+    """Parse the options of a view."""
+    return MeshView(
+        size,
+        texture,
+        flip_texture,
+        None if rotation is None else _numbers(rotation, 3, "rotation"),
+        None if frame is None else _numbers(frame, 4, "frame"),
+    )
 
 
 def _numbers(text: str, count: int, name: str) -> tuple[float, ...]:
@@ -339,32 +289,3 @@ def _as_dict(path: Path, found: Match) -> dict[str, object]:
         "light": None if found.light is None else found.light.values.tolist(),
         "candidates": [{"name": candidate.name, "distance": candidate.distance} for candidate in found.candidates],
     }
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str, int, int], None]]:
-    """Show bars on standard error, one for each thing that is done."""
-    columns = TextColumn("{task.description:>28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    bar = Progress(*columns, console=Console(stderr=True))
-    tasks: dict[str, TaskID] = {}
-
-    def tell(what: str, done: int, of: int) -> None:
-        bar.start()
-        if what not in tasks:
-            tasks[what] = bar.add_task(what, total=of)
-        bar.update(tasks[what], completed=done)
-
-    try:
-        yield tell
-    finally:
-        if tasks:  # stopping a bar prints a line even if nothing was shown
-            bar.stop()
-
-
-def _print_table(title: str, heads: list[str], rows: list[list[str]]) -> None:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, show_edge=False, padding=(0, 1, 0, 0))
-    for index, head in enumerate(heads):
-        table.add_column(head, justify="right" if index else "left", no_wrap=True)
-    for row in rows:
-        table.add_row(*row)
-    Console().print(table)

@@ -11,6 +11,7 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import storage
+from harmonicface.gallery.enrolment import MOST_ROWS, enrolment_of
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.match import Candidate, Match
 from harmonicface.gallery.names import checked_name
@@ -18,11 +19,9 @@ from harmonicface.gallery.ranking import rank
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.recognition.models import subspace_model
-from harmonicface.recognition.subspace import Subspace, unit_photo
+from harmonicface.recognition.subspace import unit_photo
 from harmonicface.surfaces.surface import Surface
 
-FEWEST_PHOTOGRAPHS = 3  # fewer do not span the pictures of even a surface without shadows
-MOST_ROWS = 9
 FEWEST_PIXELS = 4 * MOST_ROWS  # as many pixels as rows are explained by anybody
 FARTHEST = 0.5  # beyond it a quarter of the photograph's energy is nobody's
 DEFAULT_THRESHOLD = 0.1
@@ -145,17 +144,12 @@ class Gallery:
         """
         if checked_name(name) in self._sources:
             raise HarmonicFaceError(f"name: expected one that is not in the gallery yet, got {name!r}, who is")
-        known = isinstance(source, Surface)
-        frame, images = self._from_surface(source) if isinstance(source, Surface) else self._from_photographs(source)
-        subspace = Subspace.of(images, MOST_ROWS)
-        if not known and subspace.rank < FEWEST_PHOTOGRAPHS:
-            expected = f"at least {FEWEST_PHOTOGRAPHS} photographs that differ, under different lights"
-            raise HarmonicFaceError(f"source: expected {expected}, got {subspace.rank} different of {len(images)}")
-        self._frame = frame
+        enrolled = enrolment_of(source, self._frame, self._pictures)
+        self._frame = enrolled.frame
         if self._rows is None:
-            self._rows = StackedRows(np.empty((0, frame.pixels), np.float32))
-        self._rows.append(subspace)
-        self._sources[name] = "surface" if known else "photographs"
+            self._rows = StackedRows(np.empty((0, enrolled.frame.pixels), np.float32))
+        self._rows.append(enrolled.subspace)
+        self._sources[name] = enrolled.source
 
     def remove(self, name: str) -> None:
         """Take a person out.
@@ -263,19 +257,6 @@ class Gallery:
         gallery._rows = contents.rows
         gallery._sources = dict(contents.sources)
         return gallery
-
-    def _from_surface(self, surface: Surface) -> tuple[Frame, Floats]:
-        """Return the pictures that span a person, in the gallery's frame or, for the first person, in her own."""
-        frame = self._frame or Frame(np.ones(surface.shape, np.bool_))
-        return frame, frame.place(self._pictures(surface), surface.mask)
-
-    def _from_photographs(self, photographs: ArrayLike) -> tuple[Frame, Floats]:
-        stack = _validate.floats(photographs, "photographs")
-        if stack.ndim not in (3, 4) or len(stack) < FEWEST_PHOTOGRAPHS or stack.size == 0:
-            expected = f"a Surface, or at least {FEWEST_PHOTOGRAPHS} photographs of shape (n, h, w)"
-            raise HarmonicFaceError(f"source: expected {expected}, got {_validate.describe(stack)}")
-        frame = self._frame or Frame(np.ones(stack.shape[1:3], np.bool_))
-        return frame, np.stack([frame.take(photo, "photographs") for photo in stack])
 
     def _light(self, index: int, pixels: Floats, good: NDArray[np.bool_]) -> HarmonicLight | None:
         """Return the light of a photograph, if this person was enrolled with geometry."""
