@@ -1,4 +1,4 @@
-"""What the README shows must run as it stands."""
+"""What the README and the guide show must run as it stands."""
 
 from __future__ import annotations
 
@@ -7,30 +7,51 @@ from pathlib import Path
 
 import pytest
 
-README = Path(__file__).parents[1] / "README.md"
+PROJECT = Path(__file__).parents[1]
+PAGES = (PROJECT / "README.md", PROJECT / "docs" / "guide.md", PROJECT / "docs" / "theory.md")
 
 
-def python_blocks() -> list[str]:
-    return re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+def blocks() -> list[tuple[str, str]]:
+    found = [
+        (page, block)
+        for page in PAGES
+        for block in re.findall(r"```python\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+    ]
+    return [(f"{page.name} {block.splitlines()[-1][:40]}", block) for page, block in found]
 
 
-def test_there_is_an_example() -> None:
-    assert python_blocks()
+def test_there_are_examples() -> None:
+    assert len(blocks()) >= 6
 
 
-@pytest.mark.parametrize("block", python_blocks())
+@pytest.mark.parametrize("block", [block for _, block in blocks()], ids=[name for name, _ in blocks()])
 def test_example_runs(
     block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    exec(compile(block, str(README), "exec"), {})
+    exec(compile(block, "example", "exec"), {})
     printed = capsys.readouterr().out
-    assert printed.count("\n") >= 2
+    assert printed
     if "gallery" in block:
         assert printed.startswith("emmy ")
         assert (tmp_path / "people.gallery").is_file()
+    if "factor_light_field" in block:
+        assert printed == "True\n"
 
 
-def test_pictures_are_there() -> None:
-    for name in re.findall(r"!\[.*?\]\((.*?)\)", README.read_text(encoding="utf-8")):
-        assert (README.parent / name).is_file(), name
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_pictures_and_pages_are_there(page: Path) -> None:
+    for name in re.findall(r"\]\(([^):]*?)\)", page.read_text(encoding="utf-8")):
+        assert (page.parent / name).is_file(), name
+
+
+def test_the_guide_names_what_there_is() -> None:
+    rooms = re.split(r"^## .*`harmonicface\.(\w+)`$", PAGES[1].read_text("utf-8"), flags=re.MULTILINE)[1:]
+    for room, text in zip(rooms[::2], rooms[1::2], strict=True):
+        names = re.findall(r"`(\w+)\.(\w+)`", text)
+        for module, name in names:
+            if module != "hf":
+                file = PROJECT / "harmonicface" / room / f"{module}.py"
+                assert re.search(rf"^(def|class) {name}\b", file.read_text("utf-8"), re.MULTILINE), (
+                    f"{room}.{module}.{name}"
+                )
