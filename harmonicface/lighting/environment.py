@@ -162,7 +162,8 @@ class EnvironmentMap(Light):
         """Return the radiance from (..., 3) unit directions, bilinear between pixels: (...) or (..., 3)."""
         towards = _validate.unit_normals(directions, "directions").astype(np.float64, copy=False)
         turned = towards if self.rotation is None else towards @ self.rotation
-        return layout_named(self.layout).sample(self.radiance, turned)
+        found = layout_named(self.layout).sample(self.radiance, turned.reshape(-1, 3))
+        return found.reshape(towards.shape[:-1] + found.shape[1:])
 
     def converted(self, layout: str, size: int | None = None) -> EnvironmentMap:
         """Return the map redrawn in a layout (its own too), its rotation applied.
