@@ -19,6 +19,7 @@ def resampled(
 
     Each sample counts with the area of its part of the pixel, so the whole light keeps its strength.
     """
+    target.require_memory(shape)
     widest = float(np.sqrt(target.solid_angles(shape).max()))
     each = max(1, math.ceil(2 * widest / spacing))
     fractions = (np.arange(each) + 0.5) / each

@@ -47,7 +47,7 @@ class BallLayout(Layout):
     def spread(self, radius: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the area of sphere around a radius for the same area of picture, up to a factor."""
 
-    def directions(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
+    def _directions(self, shape: Shape, across: float, down: float) -> NDArray[np.float64]:
         right, up = _points(shape[-1], across, down)
         radius = np.hypot(right, up)
         angle = self.angle(np.minimum(radius, 1))

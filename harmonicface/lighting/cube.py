@@ -49,7 +49,7 @@ class CubeLayout(Layout):
                 f"radiance: expected six square faces, (6, n, n) or (6, n, n, 3), got {_validate.describe(radiance)}"
             )
 
-    def directions(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
+    def _directions(self, shape: Shape, across: float, down: float) -> NDArray[np.float64]:
         right, below = _points(shape[-1], across, down)
         return np.stack([_toward(face, right, below) for face in range(6)])
 

@@ -181,7 +181,7 @@ class EnvironmentMap(Light):
         Raises
         ------
         HarmonicFaceError
-            Another layout, a size below 1.
+            Another layout, a size below 1 or beyond the memory.
 
         Examples
         --------

@@ -24,7 +24,7 @@ class LatLongLayout(Layout):
     def check(self, radiance: Floats) -> None:
         check_image(radiance)
 
-    def directions(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
+    def _directions(self, shape: Shape, across: float, down: float) -> NDArray[np.float64]:
         height, width = shape
         latitude = np.pi * (0.5 - (np.arange(height) + down) / height)[:, None]
         longitude = 2 * np.pi * ((np.arange(width) + across) / width - 0.5)[None, :]

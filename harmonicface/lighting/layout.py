@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 
@@ -32,12 +33,26 @@ class Layout(ABC):
     def check(self, radiance: Floats) -> None:
         """Raise HarmonicFaceError unless the array has a shape of this layout, without or with three colours."""
 
-    @abstractmethod
     def directions(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:
         """Return a unit direction in each pixel, (*shape, 3): by default that of its centre.
 
         `across` and `down` are fractions of the pixel from its left and its top.
+
+        Raises
+        ------
+        HarmonicFaceError
+            More pixels than the memory holds directions of.
         """
+        self.require_memory(shape)
+        return self._directions(shape, across, down)
+
+    @abstractmethod
+    def _directions(self, shape: Shape, across: float, down: float) -> NDArray[np.float64]:
+        """Return the directions of as many pixels as the memory holds."""
+
+    def require_memory(self, shape: Shape) -> None:
+        """Raise HarmonicFaceError unless the memory holds a map of directions and the parts it is made of."""
+        _memory.require(2 * 3 * 8 * math.prod(shape), f"{self.name} map of {' x '.join(map(str, shape))} pixels")
 
     @abstractmethod
     def area_element(self, shape: Shape, across: float = 0.5, down: float = 0.5) -> NDArray[np.float64]:

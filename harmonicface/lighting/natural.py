@@ -9,6 +9,7 @@ from harmonicface import _validate
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.lighting.environment import EnvironmentMap
+from harmonicface.lighting.layouts import layout_named
 
 TEXTURE_ORDER = 10
 
@@ -37,7 +38,7 @@ def natural(seed: int | np.random.Generator, size: int = 32) -> EnvironmentMap:
     Raises
     ------
     HarmonicFaceError
-        A size below 1, a seed that is neither an integer of at least 0 nor a generator.
+        A size below 1 or beyond the memory, a seed that is neither an integer of at least 0 nor a generator.
 
     Examples
     --------
@@ -46,7 +47,7 @@ def natural(seed: int | np.random.Generator, size: int = 32) -> EnvironmentMap:
     """
     rng = _validate.generator(seed, "seed")
     rows = _validate.at_least(size, 1, "size")
-    directions = EnvironmentMap(np.ones((rows, 2 * rows))).directions
+    directions = layout_named("latlong").directions((rows, 2 * rows))
     surroundings = _surroundings(rng, directions)
     solid_angles = EnvironmentMap(surroundings).solid_angles
     sources = _sources(rng, directions)

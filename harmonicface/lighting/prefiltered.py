@@ -48,7 +48,7 @@ def irradiance_map(light: Light, size: int = 64, layout: str = "latlong", order:
     Raises
     ------
     HarmonicFaceError
-        A size below 1, another layout, a negative order.
+        A size below 1 or beyond the memory, another layout, a negative order.
 
     Examples
     --------
@@ -159,7 +159,7 @@ def reflection_map(light: Light, filter_: ArrayLike, size: int = 64, layout: str
     Raises
     ------
     HarmonicFaceError
-        A filter of another shape or not finite, a size below 1, another layout.
+        A filter of another shape or not finite, a size below 1 or beyond the memory, another layout.
 
     Examples
     --------
