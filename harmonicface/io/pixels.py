@@ -18,6 +18,7 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.exr import exr_pixels
+from harmonicface.io.radiance import radiance_exposure
 
 ENDINGS = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".hdr", ".pfm", ".exr", ".npy")
 PNG_END = b"IEND\xaeB`\x82"  # the name of the last chunk and its checksum
@@ -91,7 +92,11 @@ def pillow_pixels(picture: Image.Image) -> NDArray[Any]:
 def _decode(data: bytes, ending: str) -> Pixels:
     if ending == ".npy":
         values, transfer = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False), ""
-    elif ending in (".hdr", ".pfm"):
+    elif ending == ".hdr":
+        exposure = radiance_exposure(data)
+        values, transfer = _opencv(data), "linear"
+        values = values if exposure == 1 else (values / exposure).astype(np.float32)
+    elif ending == ".pfm":
         values, transfer = _opencv(data), "linear"
     elif ending == ".exr":
         values, transfer = exr_pixels(data), "linear"
@@ -152,8 +157,11 @@ def _deep_maximum(picture: Image.Image, data: bytes) -> int:
 
 def _opencv(data: bytes) -> NDArray[Any]:
     """Decode by OpenCV, which keeps 16 bits and floats, red first."""
-    with _quiet_opencv():
-        values = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR)
+    try:
+        with _quiet_opencv():
+            values = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR)
+    except cv2.error:  # it tells of its own source files
+        values = None
     if values is None:
         raise HarmonicFaceError("expected a whole image, got one cut short or corrupt")
     return np.ascontiguousarray(values[..., ::-1]) if values.ndim == 3 else np.asarray(values)
