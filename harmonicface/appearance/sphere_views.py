@@ -12,13 +12,16 @@ from scipy.spatial.transform import Rotation
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import degrees
-from harmonicface.harmonics.scattered import fit
+from harmonicface.harmonics.scattered import HarmonicFit, fit
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.reflectance.filters import lambertian_weights
 
 Array = NDArray[np.float64]
 
 RIM = 0.97  # of the ball's radius: pixels beyond show normals at more than 76 degrees, and the background
+WORST = (
+    10.0  # times that a relative error of B may weigh in its coefficients: one photo has 2179, two opposite ones 1.8
+)
 BEYOND = 2  # degrees fitted above those asked for, so that they do not pass for them
 
 
@@ -46,16 +49,40 @@ class SphereRadiosity:
     views: NDArray[np.intp]
     dropped: float
 
+    @property
+    def coverage(self) -> float:
+        """The share of the sphere whose radiosity was seen, above 0 to 1."""
+        return float(self.solid_angles.sum() / (4 * np.pi))
+
+    def condition(self, order: int = 2) -> float:
+        """Return how many times more a relative error of B may weigh in B_lm; 1 if all of the sphere was seen.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Fewer cells than coefficients, or cells that leave some of them free.
+        """
+        return self._fit(order).condition
+
     def coefficients(self, order: int = 2) -> Array:
         """Return B_lm, ((order + 1)^2,): for a white ball the irradiance coefficients E_lm.
 
         Raises
         ------
         HarmonicFaceError
-            Cells that do not determine the coefficients.
+            Cells that do not determine the coefficients: too few, or too little of the sphere, `condition` above 10.
         """
-        found = fit(self.normals, self.values, _validate.at_least(order, 0, "order") + BEYOND, self.solid_angles)
+        found = self._fit(order)
+        if found.condition > WORST:
+            seen = f"{100 * self.coverage:.0f} % of the sphere, condition {found.condition:.3g}"
+            raise HarmonicFaceError(
+                f"photos: expected views that determine order {order}, condition at most {WORST:g}, got {seen}"
+            )
         return np.asarray(found.coefficients[: (order + 1) ** 2])
+
+    def _fit(self, order: int) -> HarmonicFit:
+        """Fit B up to some degrees above the order."""
+        return fit(self.normals, self.values, _validate.at_least(order, 0, "order") + BEYOND, self.solid_angles)
 
     def light(self, order: int = 2, albedo: float = 1.0) -> HarmonicLight:
         """Return the light, L_lm = B_lm / (albedo A_l); 0 for odd degrees above 1, which the ball does not show.
@@ -63,7 +90,7 @@ class SphereRadiosity:
         Raises
         ------
         HarmonicFaceError
-            An albedo that is not above 0, or cells that do not determine the coefficients.
+            An albedo that is not above 0, or what `coefficients` refuses.
         """
         weights = lambertian_weights(order) * _validate.positive(albedo, "albedo")
         radiosity = self.coefficients(order)
@@ -108,8 +135,8 @@ def combine_sphere_views(
     Raises
     ------
     HarmonicFaceError
-        Photographs that are not square or not finite, rotations that are none or of another number, bad settings,
-        nothing below saturation.
+        Photographs that are not square, not finite or negative all over the ball, rotations that are none or of another
+        number, bad settings, nothing below saturation.
 
     Examples
     --------
@@ -170,6 +197,9 @@ def _ball(photo: ArrayLike, saturation: float) -> tuple[Array, Array]:
     centre = (np.arange(len(image)) + 0.5) / len(image) * 2 - 1
     x, y = np.meshgrid(centre, -centre)
     inside = (x**2 + y**2 < RIM**2) & (image < saturation)
+    if inside.any() and image[inside].max() <= 0 and image[inside].min() < 0:  # noise around black is no fault
+        least, most = image[inside].min(), image[inside].max()
+        raise HarmonicFaceError(f"photo: expected some light on the ball, got values from {least:.4g} to {most:.4g}")
     x, y = x[inside], y[inside]
     return np.stack([x, y, np.sqrt(1 - x**2 - y**2)], axis=-1), image[inside]
 

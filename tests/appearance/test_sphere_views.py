@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import harmonicface as hf
-from harmonicface.appearance.sphere_views import combine_sphere_views, relative_errors
+from harmonicface.appearance.sphere_views import SphereRadiosity, combine_sphere_views, relative_errors
 from harmonicface.harmonics.indexing import degrees
 
 Array = NDArray[np.float64]
@@ -78,6 +78,33 @@ def test_irradiance_coefficients_of_a_ball_seen_from_everywhere() -> None:
     assert_allclose(views.coefficients(4), expected, atol=2e-3 * expected[0])
     assert views.views.min() >= 1
     assert_allclose(views.solid_angles.sum(), 4 * np.pi, rtol=0.02)
+
+
+def test_too_few_views_are_refused() -> None:
+    """One view extrapolates behind the ball; two opposite ones, or six, do not."""
+    light = hf.lights.natural(0, 16)
+    real, photos = light.coefficients(4), ball_photos(light, noise=0.01)
+
+    def views(*chosen: int) -> SphereRadiosity:
+        return combine_sphere_views([photos[i] for i in chosen], VIEWS[list(chosen)], highlight=np.inf)
+
+    one = views(0)
+    assert_allclose(one.coverage, (1 - np.sqrt(1 - 0.97**2)) / 2, atol=0.02)  # a cap up to RIM, in whole cells
+    assert one.condition(2) > 1000
+    for order in (0, 2, 4):
+        for asked in (one.coefficients, one.light):
+            with pytest.raises(hf.HarmonicFaceError, match=f"determine order {order}.*39 % of the sphere, condition"):
+                asked(order)
+    with pytest.raises(hf.HarmonicFaceError, match="62 % of the sphere"):
+        views(0, 1).light(2)
+    opposite, six = views(0, 2), views(0, 1, 2, 3, 4, 5)
+    assert_allclose(opposite.coverage, 2 * one.coverage, atol=0.02)
+    assert 1 < opposite.condition(4) < 3
+    assert 1 <= six.condition(4) < 1.1
+    assert_allclose(six.coverage, 1, atol=0.01)
+    for each in (opposite, six):
+        assert low_error(each.light(2).values, real) < 0.05
+        assert relative_errors(each.light(4).values, real)[4] < 0.1
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
@@ -163,6 +190,11 @@ def test_bad_input() -> None:
     for wrong in (np.ones((8, 9)), np.ones((8, 8, 3))):
         with pytest.raises(hf.HarmonicFaceError, match="photo: expected a square grey image"):
             combine_sphere_views([wrong], [np.eye(3)])
+    for negative in (-photo, np.where(np.eye(8) > 0, 0, -photo)):
+        with pytest.raises(hf.HarmonicFaceError, match="photo: expected some light on the ball, got values from -1 to"):
+            combine_sphere_views([photo, negative], np.tile(np.eye(3), (2, 1, 1)))
+    combine_sphere_views([0 * photo], [np.eye(3)])  # in the dark, and with noise around black
+    combine_sphere_views([np.where(np.eye(8) > 0, 0.1, -0.1)], [np.eye(3)])
     with pytest.raises(hf.HarmonicFaceError, match="highlight: expected a number above 0"):
         combine_sphere_views([photo], [np.eye(3)], highlight=0.0)
     with pytest.raises(hf.HarmonicFaceError, match="saturation: expected a number above 0"):
