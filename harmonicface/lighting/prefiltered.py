@@ -48,7 +48,7 @@ def irradiance_map(light: Light, size: int = 64, layout: str = "latlong", order:
     Raises
     ------
     HarmonicFaceError
-        A size below 1 or beyond the memory, another layout, a negative order.
+        No light, a size below 1 or beyond the memory, another layout, a negative order.
 
     Examples
     --------
@@ -56,6 +56,7 @@ def irradiance_map(light: Light, size: int = 64, layout: str = "latlong", order:
     >>> irradiance_map(ambient(0.5), size=1, order=2).round(6)
     array([[0.5, 0.5]])
     """
+    _require_light(light)
     if order is None:
         return light.irradiance(_directions(layout, size))
     return reflection_map(light, lambertian_filter(order), size, layout)
@@ -87,7 +88,7 @@ def reflected(light: Light, filter_: ArrayLike, directions: ArrayLike) -> Floats
     Raises
     ------
     HarmonicFaceError
-        A filter of another shape or not finite, directions that are not finite unit vectors.
+        No light, a filter of another shape or not finite, directions that are not finite unit vectors.
 
     Examples
     --------
@@ -95,6 +96,7 @@ def reflected(light: Light, filter_: ArrayLike, directions: ArrayLike) -> Floats
     >>> reflected(ambient(np.pi), [1.0, 0.5], [[0.0, 0.0, 1.0]]).round(6)  # a radiance of 1 from everywhere
     array([1.])
     """
+    _require_light(light)
     factors = _factors(filter_)
     return _series(real_harmonics(directions, len(factors) - 1), factors, light)
 
@@ -121,7 +123,8 @@ def reflected_exactly(environment: EnvironmentMap, lobe: Callable[[Floats], Floa
     Raises
     ------
     HarmonicFaceError
-        Directions that are not finite unit vectors.
+        No environment map, directions that are not finite unit vectors, a lobe that is no function or whose values
+        are not finite or not one a cosine.
 
     Examples
     --------
@@ -131,8 +134,20 @@ def reflected_exactly(environment: EnvironmentMap, lobe: Callable[[Floats], Floa
     >>> reflected_exactly(white, squared, [[0.0, 0.0, 1.0]]).round(3)
     array([1.])
     """
+    if not isinstance(environment, EnvironmentMap):
+        raise HarmonicFaceError(f"environment: expected an EnvironmentMap, got {type(environment).__name__}")
+    if not callable(lobe):
+        raise HarmonicFaceError(f"lobe: expected a function of cosines, got {_validate.describe(lobe)}")
+
+    def checked(cosines: Floats) -> Floats:
+        values = _validate.finite(lobe(cosines), "lobe")
+        if values.shape != cosines.shape:
+            expected = f"a value for each cosine, shape {cosines.shape}"
+            raise HarmonicFaceError(f"lobe: expected {expected}, got {_validate.describe(values)}")
+        return values
+
     towards, strengths = environment.lamps()
-    return sum_lobe(_validate.unit_normals(directions, "directions"), towards, strengths, lobe)
+    return sum_lobe(_validate.unit_normals(directions, "directions"), towards, strengths, checked)
 
 
 def reflection_map(light: Light, filter_: ArrayLike, size: int = 64, layout: str = "latlong") -> Floats:
@@ -159,7 +174,7 @@ def reflection_map(light: Light, filter_: ArrayLike, size: int = 64, layout: str
     Raises
     ------
     HarmonicFaceError
-        A filter of another shape or not finite, a size below 1 or beyond the memory, another layout.
+        No light, a filter of another shape or not finite, a size below 1 or beyond the memory, another layout.
 
     Examples
     --------
@@ -167,11 +182,17 @@ def reflection_map(light: Light, filter_: ArrayLike, size: int = 64, layout: str
     >>> reflection_map(ambient(np.pi), [1.0, 0.9, 0.7], size=2, layout="cube").shape
     (6, 2, 2)
     """
+    _require_light(light)
     factors = _factors(filter_)
     order = len(factors) - 1
     name, rows = layout_named(layout).name, _validate.at_least(size, 1, "size")
     harmonics = (_kept_harmonics if count(order) * rows**2 <= KEPT else _harmonics)(name, rows, order)
     return _series(harmonics, factors, light)
+
+
+def _require_light(light: object) -> None:
+    if not isinstance(light, Light):
+        raise HarmonicFaceError(f"light: expected a light, got {_validate.describe(light)}")
 
 
 def _factors(filter_: ArrayLike) -> Floats:
