@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface.errors import HarmonicFaceError
 
 
@@ -62,22 +62,34 @@ def index(degree: int, mode: int) -> int:
 def degrees(order: int) -> NDArray[np.intp]:
     """Return the degree l of each stored harmonic, ((order + 1)^2,).
 
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order, one that needs more memory than there is.
+
     Examples
     --------
     >>> degrees(2)
     array([0, 1, 1, 1, 2, 2, 2, 2, 2])
     """
-    modes = 2 * np.arange(_validate.at_least(order, 0, "order") + 1) + 1
+    _memory.require(8 * count(order), f"degrees of the harmonics of order {order}")
+    modes = 2 * np.arange(int(order) + 1) + 1
     return np.repeat(np.arange(len(modes)), modes)
 
 
 def modes(order: int) -> NDArray[np.intp]:
     """Return the mode m of each stored harmonic, ((order + 1)^2,).
 
+    Raises
+    ------
+    HarmonicFaceError
+        A negative order, one that needs more memory than there is.
+
     Examples
     --------
     >>> modes(2)
     array([ 0, -1,  0,  1, -2, -1,  0,  1,  2])
     """
+    _memory.require(24 * count(order), f"modes of the harmonics of order {order}")
     degree = degrees(order)
     return np.asarray(np.arange(len(degree)) - degree * (degree + 1))

@@ -26,7 +26,7 @@ BLOCK = 2**19
 def settled(expand: Callable[[int], Expansion], start: int, most: int, tolerance: float) -> Expansion:
     """Return an expansion on a grid so fine that the last refinement changed nothing by more than the tolerance."""
     _validate.positive(tolerance, "tolerance")
-    nodes, most = start, max(most, math.ceil(GROWTH * start))
+    nodes, most = start, max(most, refined(start))
     result = expand(nodes)
     change = math.inf
     while change > tolerance:
@@ -35,12 +35,17 @@ def settled(expand: Callable[[int], Expansion], start: int, most: int, tolerance
                 f"brdf: expected coefficients that settle to {tolerance:.2g} of the largest, "
                 f"got a change of {change:.2g} at {nodes} angles; give a smoother BRDF or a larger tolerance"
             )
-        nodes = min(math.ceil(GROWTH * nodes), most)
+        nodes = min(refined(nodes), most)
         finer = expand(nodes)
         largest = np.abs(finer).max()
         change = float(np.abs(finer - result).max() / largest) if largest else 0.0
         result = finer
     return result
+
+
+def refined(nodes: int) -> int:
+    """Return how many angles come after so many: at least the first refinement is needed for any answer."""
+    return math.ceil(GROWTH * nodes)
 
 
 def blocks(length: int, each: int) -> Iterator[slice]:

@@ -67,14 +67,14 @@ def isotropic_coefficients(
            [0.1398, 0.1614, 0.0781]])
     """
     order, outgoing_order = _orders(order, outgoing_order)
-    orders = min(order, outgoing_order) + 1
-    require(8 * (order + 1) * (outgoing_order + 1) * orders, f"BRDF of order {order} by {outgoing_order}")
+    start = max(order, outgoing_order) + 16
+    _require_isotropic(quadrature.refined(start), order, outgoing_order)
     _expect_isotropic(brdf, check_form(form))
 
     def expand(nodes: int) -> Reals:
         return _isotropic_on(nodes, brdf, form, order, outgoing_order)
 
-    return quadrature.settled(expand, max(order, outgoing_order) + 16, quadrature.MOST_ISOTROPIC, tolerance)
+    return quadrature.settled(expand, start, quadrature.MOST_ISOTROPIC, tolerance)
 
 
 def anisotropic_coefficients(
@@ -117,13 +117,14 @@ def anisotropic_coefficients(
     (np.float64(0.3333), (4, 4))
     """
     order, outgoing_order = _orders(order, outgoing_order)
-    require(16 * count(order) * count(outgoing_order), f"BRDF of order {order} by {outgoing_order}")
+    start = max(order, outgoing_order) + 8
+    _require_anisotropic(quadrature.refined(start), order, outgoing_order)
     check_form(form)
 
     def expand(nodes: int) -> Complexes:
         return _anisotropic_on(nodes, brdf, form, order, outgoing_order)
 
-    return quadrature.settled(expand, max(order, outgoing_order) + 8, quadrature.MOST_ANISOTROPIC, tolerance)
+    return quadrature.settled(expand, start, quadrature.MOST_ANISOTROPIC, tolerance)
 
 
 def coefficients_at_angle(
@@ -162,7 +163,8 @@ def coefficients_at_angle(
     array([0.7071, 0.8165, 0.3953])
     """
     order = _validate.at_least(order, 0, "order")
-    require(8 * (order + 1) ** 2, f"BRDF of order {order}")
+    start = order + 32
+    _require_at_angle(quadrature.refined(start), order)
     limit = math.pi if check_form(form) == "kernel" else math.pi / 2
     given = _validate.finite(outgoing_angle, "outgoing_angle")
     if given.ndim:
@@ -174,6 +176,7 @@ def coefficients_at_angle(
     outgoing = np.array([math.sin(angle), 0.0, math.cos(angle)])
 
     def expand(nodes: int) -> Reals:
+        _require_at_angle(nodes, order)
         cosines, weights = quadrature.polar_nodes(nodes, form)
         azimuths, turns = quadrature.half_turns(nodes, order)
         found = values(brdf, quadrature.directions(cosines[:, None], azimuths), outgoing, form) @ turns
@@ -181,7 +184,7 @@ def coefficients_at_angle(
         signs = math.sqrt(2 * math.pi) * (-1.0) ** np.arange(order + 1)
         return np.asarray(signs * np.einsum("lqi,iq,i->lq", polar, found, weights))
 
-    return quadrature.settled(expand, order + 32, quadrature.MOST_AT_ANGLE, tolerance)
+    return quadrature.settled(expand, start, quadrature.MOST_AT_ANGLE, tolerance)
 
 
 def _orders(order: int, outgoing_order: int | None) -> tuple[int, int]:
@@ -190,8 +193,35 @@ def _orders(order: int, outgoing_order: int | None) -> tuple[int, int]:
     return order, order if outgoing_order is None else _validate.at_least(outgoing_order, 0, "outgoing_order")
 
 
+def _require_isotropic(nodes: int, order: int, outgoing_order: int) -> None:
+    """Refuse a grid whose waves, harmonics and results, the last grid's and their difference too, do not fit."""
+    orders = min(order, outgoing_order) + 1
+    grid = nodes**2 * (orders + 9)  # waves, and outgoing directions with what they are made of
+    harmonics = 2 * (max(order, outgoing_order) + 1) ** 2 * nodes
+    results = 3 * (order + 1) * (outgoing_order + 1) * orders
+    require(8 * (grid + harmonics + results), f"BRDF of order {order} by {outgoing_order} on {nodes} angles")
+
+
+def _require_anisotropic(nodes: int, order: int, outgoing_order: int) -> None:
+    """Refuse a grid whose middle, turns, harmonics and results do not fit."""
+    waves = (2 * order + 1) * (outgoing_order + 1)
+    turns = (nodes + order + outgoing_order) * waves
+    middle = nodes * waves * (outgoing_order + 3)  # with two slices of one theta_i
+    harmonics = 2 * (max(order, outgoing_order) + 1) ** 2 * nodes
+    results = 3 * count(order) * count(outgoing_order)  # this grid's, the last one's and their difference
+    needed = 16 * (turns + middle + results) + 8 * harmonics
+    require(needed, f"BRDF of order {order} by {outgoing_order} on {nodes} angles")
+
+
+def _require_at_angle(nodes: int, order: int) -> None:
+    """Refuse a grid whose directions, harmonics and results do not fit."""
+    needed = 8 * (9 * nodes**2 + 2 * (order + 1) ** 2 * nodes + 3 * (order + 1) ** 2)
+    require(needed, f"BRDF of order {order} on {nodes} angles")
+
+
 def _isotropic_on(nodes: int, brdf: Brdf, form: str, order: int, outgoing_order: int) -> Reals:
     """Return rho_lpq by a grid of theta_i, theta_o and phi_o - phi_i, a few theta_i at a time."""
+    _require_isotropic(nodes, order, outgoing_order)
     cosines, weights = quadrature.polar_nodes(nodes, form)
     azimuths, turns = quadrature.half_turns(nodes, min(order, outgoing_order))
     outgoing = quadrature.directions(cosines[:, None], azimuths)
@@ -210,6 +240,7 @@ def _isotropic_on(nodes: int, brdf: Brdf, form: str, order: int, outgoing_order:
 
 def _anisotropic_on(nodes: int, brdf: Brdf, form: str, order: int, outgoing_order: int) -> Complexes:
     """Return rho_ln,pq by a grid of both directions, azimuths phi_i and phi_o - phi_i first, one theta_i at a time."""
+    _require_anisotropic(nodes, order, outgoing_order)
     cosines, weights = quadrature.polar_nodes(nodes, form)
     turns = np.linspace(0, 2 * math.pi, nodes + order + outgoing_order, endpoint=False)
     differences, waves = quadrature.full_turns(nodes, outgoing_order)

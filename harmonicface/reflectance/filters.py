@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface.harmonics.indexing import degrees
+from harmonicface._memory import require
+from harmonicface.harmonics.indexing import count, degrees
 from harmonicface.reflectance._arguments import filter_order
 
 
@@ -66,11 +67,12 @@ def lambertian_weights(order: int) -> NDArray[np.float64]:
     Raises
     ------
     HarmonicFaceError
-        A negative order, or one beyond what an array should hold.
+        A negative order, one that needs more memory than there is.
 
     Examples
     --------
     >>> lambertian_weights(1).round(4)
     array([3.1416, 2.0944, 2.0944, 2.0944])
     """
+    require(16 * count(order), f"weights of order {order}")
     return np.asarray(lambertian_filter(order)[degrees(order)])

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import poch, wofz
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface.reflectance._arguments import at_least_zero, filter_order, roughness_of
 from harmonicface.reflectance.flatland_series import Complexes, fourier_basis
 
@@ -117,7 +118,7 @@ def flat_mirror(order: int, outgoing_order: int, both_sides: bool = False) -> ND
     Raises
     ------
     HarmonicFaceError
-        A negative order.
+        A negative order, more than the memory holds.
 
     Examples
     --------
@@ -126,8 +127,11 @@ def flat_mirror(order: int, outgoing_order: int, both_sides: bool = False) -> ND
            [0., 1., 0.],
            [1., 0., 0.]])
     """
-    incident = np.arange(-filter_order(order), order + 1)
-    total = np.add.outer(incident, np.arange(-filter_order(outgoing_order), outgoing_order + 1))
+    order, outgoing_order = filter_order(order), filter_order(outgoing_order)
+    entries = (2 * order + 1) * (2 * outgoing_order + 1)
+    require(40 * entries, f"mirror of order {order} by {outgoing_order}")
+    incident = np.arange(-order, order + 1)
+    total = np.add.outer(incident, np.arange(-outgoing_order, outgoing_order + 1))
     if both_sides:
         return np.asarray(total == 0, np.float64)
     return np.asarray(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.reflectance._arguments import numbers
 
@@ -30,7 +31,7 @@ def circle_angles(count: int) -> NDArray[np.float64]:
     Raises
     ------
     HarmonicFaceError
-        A count below 1.
+        A count below 1, more angles than the memory holds.
 
     Examples
     --------
@@ -38,6 +39,7 @@ def circle_angles(count: int) -> NDArray[np.float64]:
     [-1.0, -0.5, 0.0, 0.5]
     """
     size = _validate.at_least(count, 1, "count")
+    require(16 * size, f"{size} angles")
     return np.asarray(2 * math.pi / size * np.arange(size) - math.pi, np.float64)
 
 
@@ -56,7 +58,7 @@ def fourier_basis(angles: ArrayLike, order: int) -> Complexes:
     Raises
     ------
     HarmonicFaceError
-        Angles that are not finite, a negative order.
+        Angles that are not finite, a negative order, more than the memory holds.
 
     Examples
     --------
@@ -64,7 +66,10 @@ def fourier_basis(angles: ArrayLike, order: int) -> Complexes:
     array([0.-1.j, 1.+0.j, 0.+1.j])
     """
     values = _validate.finite(angles, "angles")
-    degree = np.arange(-_validate.at_least(order, 0, "order"), order + 1)
+    order = _validate.at_least(order, 0, "order")
+    size = 2 * order + 1
+    require(8 * size + 32 * size * values.size, f"waves of order {order} at {values.size} angles")
+    degree = np.arange(-order, order + 1)
     return np.asarray(np.exp(1j * np.multiply.outer(degree, values)) / FULL)
 
 

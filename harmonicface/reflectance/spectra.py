@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
+from harmonicface._memory import require
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
@@ -87,7 +88,7 @@ def mirror_coefficients(order: int, degree: int, mode: int) -> NDArray[np.float6
     Raises
     ------
     HarmonicFaceError
-        A degree or an order that is negative, a mode beyond the degree.
+        A degree or an order that is negative, a mode beyond the degree, more memory than there is.
 
     Examples
     --------
@@ -97,7 +98,9 @@ def mirror_coefficients(order: int, degree: int, mode: int) -> NDArray[np.float6
     highest = max(filter_order(order), _validate.at_least(degree, 0, "degree"))
     if abs(_validate.at_least(mode, -degree, "mode")) > degree:
         raise HarmonicFaceError(f"mode: expected an integer from {-degree} to {degree}, got {mode}")
-    nodes, weights = np.polynomial.legendre.leggauss(highest + 1)
+    size = highest + 1
+    require(8 * size**3 + 24 * size**2, f"mirror of degrees up to {highest}")
+    nodes, weights = np.polynomial.legendre.leggauss(size)
     heights = (nodes + 1) / 2
     across = np.sqrt(1 - heights**2)
     directions = np.stack([across, np.zeros_like(across), heights], axis=-1)
@@ -152,13 +155,14 @@ def uniform_spectrum(order: int) -> NDArray[np.float64]:
     Raises
     ------
     HarmonicFaceError
-        A negative order.
+        A negative order, one that needs more memory than there is.
 
     Examples
     --------
     >>> uniform_spectrum(1).round(4)
     array([0.2821, 0.    , 0.    , 0.    ])
     """
+    require(8 * count(order), f"light of order {order}")
     result = np.zeros(count(order))
     result[0] = 1 / math.sqrt(4 * math.pi)
     return result

@@ -41,3 +41,11 @@ def test_an_order_that_is_none(order: int) -> None:
             function(order)
     with pytest.raises(HarmonicFaceError, match="degree: expected an integer of at least 0"):
         index(order, 0)
+
+
+def test_harmonics_beyond_the_memory() -> None:
+    for function in (degrees, modes):
+        with pytest.raises(
+            HarmonicFaceError, match=rf"{function.__name__} of the harmonics of order 10000000: need .* GB"
+        ):
+            function(10**7)

@@ -84,3 +84,8 @@ def test_no_order(function) -> None:
 def test_no_order_beyond_reason() -> None:
     with pytest.raises(HarmonicFaceError, match="order: expected at most 1000000, got 1000000000000"):
         lambertian_filter(10**12)
+
+
+def test_weights_beyond_the_memory() -> None:
+    with pytest.raises(HarmonicFaceError, match=r"weights of order 1000000: need 1.6e\+04 GB of memory"):
+        lambertian_weights(10**6)

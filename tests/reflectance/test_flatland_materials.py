@@ -143,3 +143,11 @@ def test_errors() -> None:
     for function in (flat_lambertian, flat_uniform, lambda order: flat_mirror(1, order)):
         with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0"):
             function(-1)
+
+
+def test_a_mirror_beyond_the_memory() -> None:
+    for order, outgoing_order in ((10**6, 10**6), (10**6, 10**5)):
+        with pytest.raises(
+            HarmonicFaceError, match=f"mirror of order {order} by {outgoing_order}: need .* GB of memory"
+        ):
+            flat_mirror(order, outgoing_order)

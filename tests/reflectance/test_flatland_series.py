@@ -72,3 +72,10 @@ def test_errors() -> None:
         fourier_series(np.ones(4), 0.0)
     with pytest.raises(HarmonicFaceError, match=r"coefficients: expected 2 order \+ 1 degrees"):
         rotate_flat(np.ones(4), 0.0)
+
+
+def test_series_beyond_the_memory() -> None:
+    with pytest.raises(HarmonicFaceError, match=r"1000000000000 angles: need 1.6e\+04 GB of memory"):
+        circle_angles(10**12)
+    with pytest.raises(HarmonicFaceError, match=r"waves of order 1000000000000 at 2 angles: need .* GB of memory"):
+        fourier_basis([0.0, 1.0], 10**12)

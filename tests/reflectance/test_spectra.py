@@ -140,3 +140,12 @@ def test_errors() -> None:
         apply_filter([1.0], [np.nan])
     with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0"):
         mirror_filter(-1)
+
+
+def test_spectra_beyond_the_memory() -> None:
+    with pytest.raises(HarmonicFaceError, match=r"mirror of degrees up to 1000000: need .* GB of memory"):
+        mirror_coefficients(10**6, 1, 0)
+    with pytest.raises(HarmonicFaceError, match=r"mirror of degrees up to 1000000: need .* GB of memory"):
+        mirror_coefficients(1, 10**6, 0)
+    with pytest.raises(HarmonicFaceError, match=r"light of order 1000000: need 8e\+03 GB of memory"):
+        uniform_spectrum(10**6)
