@@ -97,8 +97,9 @@ def estimate_light(
     light makes them likely, and thrown away: on a half sphere harmonics are not orthogonal, and what is left out of
     the fit would pass for light of the order, which there costs several times more than the noise. Degrees 3, 5, 7
     ... have A_l = 0 and are named, not solved for; so are the modes that noise or the light above the order make
-    useless, as light from behind a face. The paper's remark that E_4m is about 1 % of E_00 understates the filter:
-    A_4 / A_0 is 4.2 %.
+    useless, as light from behind a face. The paper
+    says that E_4m is approximately 4 % of E_00, as it is: A_4 / A_0 is 4.2 %; the "about 1 %" of the later chapter
+    (Ramamoorthi, Modeling Illumination Variation with Spherical Harmonics, 2005) understates the filter.
 
     Parameters
     ----------
