@@ -37,10 +37,12 @@ class LobeFit:
     parameter
         "shininess" or "roughness".
     value, std
-        The estimate and its standard deviation, linearized at the estimate.
+        The estimate and its standard deviation, linearized at the estimate; infinite where the estimate is an end of
+        the range that was searched, since the reflection asks for a width beyond it.
     low, high
         The interval of 95 %, by the likelihood's own profile: it need not be even about the estimate, and where the
-        light tells no bound it ends at 0 or at infinity. It holds where the linearization does not.
+        light tells no bound, or the estimate is an end of the range, it ends at 0 or at infinity. It holds where the
+        linearization does not.
     strength
         The lobe's strength, given or estimated.
     noise
@@ -92,13 +94,13 @@ def fit_shininess(
     Returns
     -------
     LobeFit
-        Its shininess between 0.05 and 1e6.
+        Its shininess between 0.05 and 1e6; at either end the standard deviation is infinite and the interval open.
 
     Raises
     ------
     HarmonicFaceError
         Coefficients that do not fit each other, NaN or infinity, a light that tells nothing of the shininess
-        (uniform), too few coefficients to see the noise in.
+        (uniform), a reflection of zeros.
 
     Examples
     --------
@@ -194,29 +196,35 @@ def _fit(
             f"and {_validate.describe(known)}"
         )
     given = None if strength is None else _validate.positive(strength, "strength")
+    if noise is not None:
+        noise = at_least_zero(noise, "noise")
+    order_of(len(known))
+    size = float(np.linalg.norm(known))
+    telling = float(np.linalg.norm(known[1:])) > 1e-12 * size
+    if telling and not seen.any():
+        raise HarmonicFaceError("reflected: expected light that came back, got only zeros")
     misfit = _Misfit(seen.astype(np.float64), known.astype(np.float64), filter_, given)
     grid, table = _table(filter_, bounds, misfit.order)
     heights = [misfit.of(values) for values in table]
     place = int(np.argmin(heights))
     neighbours = grid[max(place - 1, 0)], grid[min(place + 1, STEPS - 1)]
     best = float(minimize_scalar(misfit, bounds=neighbours, method="bounded", options={"xatol": 1e-11}).x)
+    ends = [end for end in (0, STEPS - 1) if heights[end] <= misfit(best)]
+    if ends:
+        best = float(grid[ends[0]])
     width = math.exp(best)
     slope = misfit.slope(width, sensitivity)
-    size = float(np.linalg.norm(known))
-    if not slope > 1e-12 * size:
+    if not (telling and slope > 1e-12 * size):
         raise HarmonicFaceError(f"light: expected degrees that tell of the {parameter}, got light that tells nothing")
     freedom = len(known) - (1 if given is not None else 2)
-    if noise is None and freedom < 1:
-        raise HarmonicFaceError("noise: expected a number, since these coefficients leave no residual to see it in")
     least = misfit(best)
-    level = math.sqrt((misfit.floor + least) / freedom) if noise is None else at_least_zero(noise, "noise")
+    level = math.sqrt((misfit.floor + least) / freedom) if noise is None else noise
+    std = math.inf if ends else width * level / slope
     low, high = _profile(misfit, grid, heights, best, least + QUANTILE * level**2)
     values = filter_(width, misfit.order)
     factor = misfit.strength(values)
     signal = factor * math.sqrt(float(misfit.power @ values**2))
-    return LobeFit(
-        parameter, width, width * level / slope, low, high, factor, level, signal / math.sqrt(len(known)) / slope
-    )
+    return LobeFit(parameter, width, std, low, high, factor, level, signal / math.sqrt(len(known)) / slope)
 
 
 @lru_cache(maxsize=8)

@@ -134,6 +134,27 @@ def test_an_interval_without_an_end() -> None:
     assert smooth.low == 0 and 0.02 < smooth.high < 1
 
 
+@pytest.mark.parametrize("strength", [1.0, None])
+@pytest.mark.parametrize("noise", [0.0, 1e-3, None])
+def test_a_mirror_is_at_the_end_of_the_range(noise: float | None, strength: float | None) -> None:
+    light = directional_spectrum([1, 2, 3], 8)
+    shiny, smooth = fit_shininess(light, light, noise, strength), fit_roughness(light, light, noise, strength)
+    assert_allclose([shiny.value, smooth.value], [1e6, 1e-3], rtol=1e-12)
+    assert shiny.std == math.inf and shiny.high == math.inf and 1 < shiny.low <= 1e6 * (1 + 1e-12)
+    assert smooth.std == math.inf and smooth.low == 0 and 1e-3 * (1 - 1e-12) <= smooth.high < 1
+
+
+def test_light_from_nowhere_in_particular_is_at_the_other_end() -> None:
+    light = directional_spectrum([1, 2, 3], 8)
+    spread = apply_filter(phong_filter(0.01, 8), light)
+    answer = fit_shininess(spread, light, noise=0.0)
+    assert_allclose(answer.value, 0.05, rtol=1e-12)
+    assert answer.std == math.inf and answer.low == 0 and 0.05 * (1 - 1e-12) <= answer.high < 0.06
+    rough = fit_roughness(apply_filter(microfacet_filter(5.0, 8), light), light, noise=0.0)
+    assert_allclose(rough.value, 3.0, rtol=1e-12)
+    assert rough.std == math.inf and rough.high == math.inf and 2.9 < rough.low <= 3.0 * (1 + 1e-12)
+
+
 def test_a_sentence() -> None:
     answer = LobeFit("shininess", 50.0, 1.0, 48.0, math.inf, 1.0, 0.01, 2.5)
     assert str(answer) == "shininess 50 +- 1 (95 %: 48 to inf), noise amplified 2.5 times"
@@ -155,8 +176,14 @@ def test_errors() -> None:
         fit_shininess(light, light, 0.1, strength=0.0)
     with pytest.raises(HarmonicFaceError, match="noise: expected a finite number of at least 0"):
         fit_shininess(light, light, noise=-0.1)
-    with pytest.raises(HarmonicFaceError, match="noise: expected a number, since these coefficients leave no residual"):
-        fit_roughness([0.9], [1.0])
+    for uniform in ([1.0], uniform_spectrum(2)):
+        with pytest.raises(
+            HarmonicFaceError, match="light: expected degrees that tell of the roughness, got light that"
+        ):
+            fit_roughness(0.9 * np.array(uniform), uniform)
+    for fit in (fit_shininess, fit_roughness):
+        with pytest.raises(HarmonicFaceError, match="reflected: expected light that came back, got only zeros"):
+            fit(np.zeros(9), light)
     with pytest.raises(HarmonicFaceError, match="reflected: expected finite numbers"):
         fit_roughness(np.full(9, np.nan), light)
     with pytest.raises(HarmonicFaceError, match="light: expected finite numbers"):
