@@ -18,8 +18,9 @@ def lambertian_filter(order: int) -> NDArray[np.float64]:
     .. math:: A_0 = \pi, \quad A_1 = 2\pi/3, \quad A_l = 0 \;(l > 1, \text{odd}), \quad
               A_{l+2} = -\frac{l - 1}{l + 4} A_l \;(l \ge 2, \text{even}), \quad A_2 = \pi/4
 
-    The harmonic coefficients of max(cos, 0), scaled by sqrt(4 pi / (2l + 1)) (Ramamoorthi & Hanrahan, On the
-    relationship between radiance and irradiance, 2001, equation 24; Basri & Jacobs 2003, equation 8). For even l
+    The harmonic coefficients of max(cos, 0) (Ramamoorthi & Hanrahan, On the relationship between radiance and
+    irradiance, 2001, equation 19; Basri & Jacobs 2003, equation 8), scaled by sqrt(4 pi / (2l + 1)), which in the
+    former's equation 26 stands beside their A_l. For even l
 
     .. math:: A_l = 2\pi \frac{(-1)^{l/2 - 1}}{(l + 2)(l - 1)} \frac{l!}{2^l ((l/2)!)^2}
               \to 2 \sqrt{2\pi} \, (-1)^{l/2 - 1} \, l^{-5/2}
