@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
@@ -16,6 +17,9 @@ from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.lighting._rotation import rotation_matrix
 from harmonicface.lighting.light import Light
+
+SMALL = 0.1  # radians below which the sum of a series keeps more digits than the difference of its parts
+ARCTAN_SERIES = 1 / np.arange(3.0, 19.0, 2.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +80,12 @@ class DiscLight(Light):
 
     @property
     def radiance(self) -> Floats:
-        """The radiance inside the disc, () or (3,)."""
-        return np.asarray(self.strength / (math.pi * math.sin(math.radians(min(self.radius, 90.0))) ** 2))
+        """The radiance inside the disc, () or (3,); HarmonicFaceError if the disc is too small for a finite one."""
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            radiance = self.strength / np.float64(math.pi * math.sin(math.radians(min(self.radius, 90.0))) ** 2)
+        if not np.isfinite(radiance).all():
+            raise HarmonicFaceError(f"radius: expected one of finite radiance, got {self.radius:g} degrees")
+        return np.asarray(radiance)
 
     def irradiance(self, normals: ArrayLike) -> Floats:
         unit = _validate.unit_normals(normals, "normals")
@@ -121,8 +129,12 @@ def _cut_by_horizon(cosine: NDArray[np.float64], sigma: float) -> NDArray[np.flo
     tangent = math.tan(sigma)
     limit = np.clip(-cosine / np.maximum(sine * tangent, np.finfo(float).tiny), -1, 1)
     height = sine * np.sqrt(1 - limit**2)
-    arcs = (np.arctan(height * tangent) - height * math.sin(sigma) * math.cos(sigma)) / math.sin(sigma) ** 2
-    return np.asarray((cosine * np.arccos(limit) + arcs) / math.pi)
+    reach = height * tangent
+    if sigma < SMALL:  # the difference is of third order: arctan x = x - x^3 (1/3 - x^2/5 + ...), tan - sin cos cancels
+        arcs = reach * (1 - (height / math.cos(sigma)) ** 2 * polynomial.polyval(-(reach**2), ARCTAN_SERIES))
+    else:
+        arcs = (np.arctan(reach) - height * math.sin(sigma) * math.cos(sigma)) / math.sin(sigma) ** 2
+    return np.maximum((cosine * np.arccos(limit) + arcs) / math.pi, 0)
 
 
 def _cap_integrals(sigma: float, order: int) -> NDArray[np.float64]:

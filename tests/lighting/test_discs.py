@@ -78,6 +78,30 @@ def test_limits() -> None:
     assert_allclose(high, hf.lights.area([1, 2, 3], 90, 0.7).irradiance(normals), rtol=0, atol=1e-8)
 
 
+@pytest.mark.parametrize("radius", [1e-4, 1e-6, 1e-8, 1e-12, 1e-100, 1e-200, 5e-324])
+def test_tiny_discs_at_the_horizon(radius: float) -> None:
+    light, sine = hf.lights.area([0, 0, 1], radius, 2.0), np.sin(np.radians(radius))
+    heights = np.linspace(-1.5, 1.5, 301)  # of the disc's centre over the horizon, in radii
+    normals = np.stack([np.ones(301), np.zeros(301), heights * sine], axis=-1)
+    found, lamp = light.irradiance(normals), hf.lights.directional([0, 0, 1], 2.0).irradiance(normals)
+    assert (found >= 0).all()
+    assert np.abs(found - lamp).max() <= 2 * 2 / (3 * np.pi) * sine * (1 + 1e-9)  # most where the horizon halves it
+    # a small disc is flat: the integral of max(h + x, 0) over a unit circle, by hand
+    within = np.clip(heights, -1, 1)
+    flat = within * np.arccos(-within) + np.sqrt(1 - within**2) * (2 + within**2) / 3
+    expected = 2 * sine * np.where(np.abs(heights) < 1, flat / np.pi, np.maximum(heights, 0))
+    assert_allclose(found, expected, rtol=0, atol=1e-11 * sine)
+    towards = hf.lights.directional([0, 0, 1], 2.0).coefficients(4)
+    assert_allclose(light.coefficients(4), towards, rtol=0, atol=1e-10)
+
+
+def test_the_radiance_of_a_disc_that_is_too_small_for_one() -> None:
+    assert_allclose(hf.lights.area([0, 0, 1], 1e-100).radiance, (180 / np.pi) ** 2 * 1e200 / np.pi, rtol=1e-12)
+    for radius, strength in ((1e-200, 1.0), (1e-100, 1e200), (1e-200, 0.0)):
+        with pytest.raises(hf.HarmonicFaceError, match="radius: expected one of finite radiance, got 1e-"):
+            _ = hf.lights.area([0, 0, 1], radius, strength).radiance
+
+
 def test_the_sky_is_half_of_one_plus_the_cosine() -> None:
     normals = np.random.default_rng(0).normal(size=(200, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
