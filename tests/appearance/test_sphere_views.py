@@ -108,33 +108,58 @@ def test_too_few_views_are_refused() -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_the_experiment(seed: int) -> None:
-    """Real light from a mirror ball against light from a matte ball: noise harms little, bias ruins order 4."""
+def test_the_experiment_with_noise(seed: int) -> None:
+    """Real light from a mirror ball against light from a matte ball: noise alone harms no order that it shows."""
     light = hf.lights.natural(seed, 16)
     real = mirror_ball(light).coefficients(4)
     assert relative_errors(light.coefficients(4), real).max() < 0.05  # the mirror ball itself
-
     clean = combine_sphere_views(ball_photos(light, noise=0.01), VIEWS)
     irradiance = clean.coefficients(4)
     assert np.abs(irradiance[DEGREE == 3]).max() < 5e-4 * irradiance[0]  # order 3: zero to the noise
     assert low_error(clean.light(4).values, real) < 0.05
-    assert relative_errors(clean.light(4).values, real)[4] < 0.1  # noise alone leaves even order 4
+    assert relative_errors(clean.light(4).values, real)[4] < 0.1
+
+
+def departure(full: Array, bare: Array, areas: Array) -> float:
+    """Return how far a radiosity departs from another one, scaled to it by least squares."""
+    scale = (areas * full * bare).sum() / (areas * bare * bare).sum()
+    return float(np.sqrt((areas * (full - scale * bare) ** 2).sum() / (areas * bare**2).sum()))
+
+
+def test_the_experiment_with_bias() -> None:
+    """Bias, not noise, is what order 4 of a matte ball suffers from; orders 0 to 2 bear it.
+
+    The law of limb darkening is linear, its strength such that B departs from a matte ball's by 2 %. Over 16 lights
+    order 4 is then off by 21 to 107 %, and by 50 % at the median only, if these 2 % are left after averaging the six
+    views; if every photograph departs by 2 %, averaging removes part of it, and the median is 30 %.
+    """
 
     def limb(cosine: Array) -> Array:
-        return cosine - 1  # the law of limb darkening
+        return 0.05 * (cosine - 1)
 
-    bare = combine_sphere_views(ball_photos(light), VIEWS, highlight=np.inf)
-    full = combine_sphere_views(ball_photos(light, limb=limb), VIEWS, highlight=np.inf)
-    areas = bare.solid_angles
-    scale = (areas * full.values @ bare.values) / (areas * bare.values @ bare.values)
-    departure = full.values - scale * bare.values
-    relative = np.sqrt((areas @ departure**2) / (areas @ bare.values**2))
-    photos = ball_photos(light, noise=0.01, limb=lambda cosine: 0.02 / relative * limb(cosine))
-    biased = combine_sphere_views(photos, VIEWS, highlight=np.inf)  # B departs by 2 % from a matte ball's
-    found = biased.light(4).values
-    assert low_error(found, real) < 0.05
-    assert relative_errors(found, real)[4] > 0.5
-    assert np.linalg.norm(biased.coefficients(4)[DEGREE == 3]) < 0.02 * np.linalg.norm(biased.coefficients(4))
+    noisy, averaged, single = [], [], []
+    for seed in range(16):
+        light = hf.lights.natural(seed, 16)
+        real = light.coefficients(4)
+        photos = {"bare": ball_photos(light), "full": ball_photos(light, limb=limb)}
+        bare, full = (combine_sphere_views(each, VIEWS, highlight=np.inf) for each in photos.values())
+        after = departure(full.values, bare.values, bare.solid_angles)
+        apart = [departure(a, b, np.ones(a.shape)) for a, b in zip(photos["full"], photos["bare"], strict=True)]
+        noise = ball_photos(light, noise=0.01)
+        strengths = (0.0, 0.02 / after, 0.02 / float(np.sqrt(np.mean(np.square(apart)))))
+        for errors, strength in zip((noisy, averaged, single), strengths, strict=True):
+            limbs = (strength * (a - b) for a, b in zip(photos["full"], photos["bare"], strict=True))
+            taken = [a + b for a, b in zip(noise, limbs, strict=True)]
+            views = combine_sphere_views(taken, VIEWS, highlight=np.inf)
+            found = views.light(4).values
+            errors.append(relative_errors(found, real)[4])
+            assert low_error(found, real) < 0.05
+            assert np.linalg.norm(views.coefficients(4)[DEGREE == 3]) < 0.02 * np.linalg.norm(views.coefficients(4))
+    assert np.max(noisy) < 0.05
+    for biased in (averaged, single):
+        assert np.median(biased) > 10 * np.median(noisy)
+        assert (np.array(biased) > 3 * np.array(noisy)).all()
+    assert np.median(single) < 0.4 < np.median(averaged)
 
 
 def test_highlights_are_dropped() -> None:
