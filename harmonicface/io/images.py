@@ -106,5 +106,6 @@ def linear_pixels(values: NDArray[Any], transfer: str) -> NDArray[np.float32]:
     if values.dtype == np.uint8 and transfer == "srgb":
         return np.asarray(SRGB_OF_BYTE[values])
     scale = np.iinfo(values.dtype).max if values.dtype.kind == "u" else 1
-    linear = (values / scale).astype(np.float32) if scale != 1 else values.astype(np.float32)
-    return srgb_to_linear(linear).astype(np.float32) if transfer == "srgb" else linear
+    with np.errstate(over="ignore", invalid="ignore"):  # what is beyond float32 becomes infinite: the caller refuses it
+        linear = (values / scale).astype(np.float32) if scale != 1 else values.astype(np.float32)
+        return srgb_to_linear(linear).astype(np.float32) if transfer == "srgb" else linear

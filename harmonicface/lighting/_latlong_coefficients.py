@@ -28,13 +28,7 @@ def latlong_coefficients(radiance: Floats, order: int) -> NDArray[np.float64]:
     """
     height, width = radiance.shape[:2]
     planes = radiance.reshape(height, width, -1)
-    if order <= ROWS_FIRST:
-        with np.errstate(over="ignore", invalid="ignore"):
-            polar = _rows_first(planes, order)
-        if not np.isfinite(polar).all():  # a block's sum is beyond the largest float32
-            polar = _rows_first(planes.astype(np.float64), order)
-    else:
-        polar = _columns_first(planes, order)
+    polar = _rows_first(planes, order) if order <= ROWS_FIRST else _columns_first(planes, order)
     return _from_polar(polar, order).reshape(count(order), *radiance.shape[2:])
 
 

@@ -16,7 +16,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.lighting._rotation import rotation_matrix
-from harmonicface.lighting.light import Light
+from harmonicface.lighting.light import BRIGHTEST, Light, require_at_most
 
 SMALL = 0.1  # radians below which the sum of a series keeps more digits than the difference of its parts
 ARCTAN_SERIES = 1 / np.arange(3.0, 19.0, 2.0)
@@ -39,13 +39,13 @@ class DiscLight(Light):
     radius
         sigma, its angular radius in degrees, above 0 to 180: 90 is a hemisphere, 180 the whole sphere.
     strength
-        The irradiance it gives to a surface facing it, one number or three (colours), at least 0. The radiance is
+        The irradiance it gives to a surface facing it, one number or three (colours), 0 to 1e30. The radiance is
         that over pi sin^2(sigma), from 90 degrees on over pi.
 
     Raises
     ------
     HarmonicFaceError
-        A direction of zero length, a radius outside 0 to 180, a strength that is negative or not finite.
+        A direction of zero length, a radius outside 0 to 180, a strength that is negative, not finite or beyond 1e30.
 
     Examples
     --------
@@ -72,6 +72,7 @@ class DiscLight(Light):
             raise HarmonicFaceError(f"strength: expected at least 0, got {strength.min():.4g}")
         object.__setattr__(self, "direction", direction.astype(np.float64))
         object.__setattr__(self, "radius", radius)
+        require_at_most(BRIGHTEST, strength, "strength")
         object.__setattr__(self, "strength", strength)
 
     @property

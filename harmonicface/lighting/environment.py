@@ -23,7 +23,7 @@ from harmonicface.lighting._resampling import resampled
 from harmonicface.lighting._rotation import rotation_matrix
 from harmonicface.lighting.cube import cross_of_faces
 from harmonicface.lighting.layouts import layout_named
-from harmonicface.lighting.light import Light, no_coefficients
+from harmonicface.lighting.light import BRIGHTEST, Light, no_coefficients, require_at_most
 from harmonicface.lighting.reading import read_environment
 
 BLOCK = 1 << 14  # pixels whose harmonics are held at once
@@ -36,7 +36,7 @@ class EnvironmentMap(Light):
     Parameters
     ----------
     radiance
-        Linear radiances of at least 0: (h, w) or (h, w, 3); for a cube (6, n, n) or (6, n, n, 3), the faces px nx py
+        Linear radiances of 0 to 1e30: (h, w) or (h, w, 3); for a cube (6, n, n) or (6, n, n, 3), the faces px nx py
         ny pz nz.
     layout
         "latlong": the top row looks up (+y), the middle column away from the camera (-z), the right half to the right
@@ -48,7 +48,8 @@ class EnvironmentMap(Light):
     Raises
     ------
     HarmonicFaceError
-        A shape that is not of the layout, an unknown layout, NaN, infinite or negative radiance, no rotation.
+        A shape that is not of the layout, an unknown layout, radiance that is NaN, negative or beyond 1e30, no
+        rotation.
 
     Examples
     --------
@@ -67,6 +68,7 @@ class EnvironmentMap(Light):
         layout_named(self.layout).check(radiance)
         if radiance.min() < 0:
             raise HarmonicFaceError(f"radiance: expected at least 0, got {radiance.min():.4g}")
+        require_at_most(BRIGHTEST, radiance, "radiance")
         object.__setattr__(self, "radiance", radiance)
         object.__setattr__(self, "rotation", None if self.rotation is None else rotation_matrix(self.rotation))
 

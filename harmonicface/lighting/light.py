@@ -18,6 +18,8 @@ from harmonicface.harmonics.indexing import count, index, order_of
 from harmonicface.harmonics.rotation import rotate
 from harmonicface.reflectance.filters import lambertian_weights
 
+BRIGHTEST = 1e30  # far beyond any light, and its sums over millions of pixels are within float32
+
 
 class Light(ABC):
     """Distant light L(w), a function of direction alone; grey, or one value a colour.
@@ -96,7 +98,7 @@ class HarmonicLight(Light):
     Raises
     ------
     HarmonicFaceError
-        A count that is not a square number, NaN or infinity.
+        A count that is not a square number, NaN or infinity, a coefficient beyond 1e35 in size.
 
     Examples
     --------
@@ -111,6 +113,9 @@ class HarmonicLight(Light):
         if values.ndim not in (1, 2) or (values.ndim == 2 and values.shape[1] != 3):
             raise HarmonicFaceError(f"coefficients: expected shape (k,) or (k, 3), got {values.shape}")
         order_of(len(values))
+        require_at_most(
+            1e5 * BRIGHTEST, np.abs(values), "coefficients"
+        )  # those of a map that bright, and of sums of them
         object.__setattr__(self, "values", values)
 
     @property
@@ -192,6 +197,7 @@ class HarmonicLight(Light):
             raise HarmonicFaceError(f"direction: expected one of shape (3,), got {towards.shape}")
         colours = self._a_colour(strength, "strength")
         values = self.coefficients(max(self.order, 1)).copy()
+        require_at_most(1e5 * BRIGHTEST, np.abs(colours), "strength")
         values[1:4] += math.sqrt(4 * math.pi / 3) * np.multiply.outer(towards[[1, 2, 0]], colours)
         return HarmonicLight(values)
 
@@ -237,6 +243,12 @@ class SumOfLights(Light):
 
     def __mul__(self, factor: float) -> SumOfLights:
         return SumOfLights(tuple(part * factor for part in self.parts))
+
+
+def require_at_most(largest: float, values: Floats, name: str) -> None:
+    """Raise HarmonicFaceError if one of some numbers is larger."""
+    if values.max(initial=0) > largest:
+        raise HarmonicFaceError(f"{name}: expected at most {largest:.3g}, got {values.max():.4g}")
 
 
 def no_coefficients(order: int, colours: tuple[int, ...]) -> NDArray[np.float64]:

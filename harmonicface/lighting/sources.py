@@ -14,7 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.lighting._clamped_cosine import sum_clamped_cosine
 from harmonicface.lighting._rotation import rotation_matrix
-from harmonicface.lighting.light import Light, no_coefficients
+from harmonicface.lighting.light import BRIGHTEST, Light, no_coefficients, require_at_most
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,12 +26,12 @@ class DirectionalLights(Light):
     directions
         (n, 3) vectors from the surface to the light, of any length above 0.
     strengths
-        (n,) or (n, 3) irradiances that each gives to a surface facing it, at least 0.
+        (n,) or (n, 3) irradiances that each gives to a surface facing it, 0 to 1e30.
 
     Raises
     ------
     HarmonicFaceError
-        A direction of zero length, a strength that is negative or not finite, unlike counts.
+        A direction of zero length, a strength that is negative, not finite or beyond 1e30, unlike counts.
 
     Examples
     --------
@@ -54,6 +54,7 @@ class DirectionalLights(Light):
         if strengths.min() < 0:
             raise HarmonicFaceError(f"strengths: expected at least 0, got {strengths.min():.4g}")
         object.__setattr__(self, "directions", directions)
+        require_at_most(BRIGHTEST, strengths, "strengths")
         object.__setattr__(self, "strengths", strengths)
 
     @property
@@ -81,12 +82,12 @@ class AmbientLight(Light):
     Parameters
     ----------
     strength
-        The irradiance it gives to every surface, one number or three (colours), at least 0: pi times its radiance.
+        The irradiance it gives to every surface, one number or three (colours), 0 to 1e30: pi times its radiance.
 
     Raises
     ------
     HarmonicFaceError
-        A strength that is negative, not finite, or neither one number nor three.
+        A strength that is negative, not finite, beyond 1e30, or neither one number nor three.
 
     Examples
     --------
@@ -102,6 +103,7 @@ class AmbientLight(Light):
             raise HarmonicFaceError(f"strength: expected one number or three, got {_validate.describe(strength)}")
         if strength.min() < 0:
             raise HarmonicFaceError(f"strength: expected at least 0, got {strength.min():.4g}")
+        require_at_most(BRIGHTEST, strength, "strength")
         object.__setattr__(self, "strength", strength)
 
     @property
