@@ -30,11 +30,11 @@ def at_least_zero(value: float, name: str) -> float:
     return float(value)
 
 
-def roughness_of(value: float) -> float:
-    """Return a roughness in radians, within what floats can square."""
-    width = _validate.positive(value, "roughness")
+def roughness_of(value: float, name: str = "roughness", unit: str = "radians") -> float:
+    """Return a roughness, within what floats can square."""
+    width = _validate.positive(value, name)
     if not 1e-100 <= width <= 100:
-        raise HarmonicFaceError(f"roughness: expected radians from 1e-100 to 100, got {width}")
+        raise HarmonicFaceError(f"{name}: expected {unit} from 1e-100 to 100, got {width}")
     return width
 
 

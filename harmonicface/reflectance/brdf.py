@@ -51,11 +51,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.reflectance._arguments import roughness_of
 
 Brdf = Callable[[NDArray[Any], NDArray[Any]], Any]
 FORMS = ("reciprocal", "transfer", "kernel")
@@ -87,9 +88,9 @@ class Lambertian:
     def __post_init__(self) -> None:
         _validate.fraction(self.albedo, "albedo")
 
-    def __call__(self, incoming: Floats, outgoing: Floats) -> Floats:
+    def __call__(self, incoming: ArrayLike, outgoing: ArrayLike) -> Floats:
         """Return rho in 1/sr for local unit directions (..., 3) that broadcast; 0 below the horizon."""
-        return np.where(_both_above(incoming, outgoing), self.albedo / math.pi, 0.0)
+        return np.where(_both_above(*_directions(incoming, outgoing)), self.albedo / math.pi, 0.0)
 
 
 @dataclass(frozen=True)
@@ -122,8 +123,9 @@ class Phong:
     def __post_init__(self) -> None:
         _validate.positive(self.shininess, "shininess")
 
-    def __call__(self, incoming: Floats, outgoing: Floats) -> Floats:
+    def __call__(self, incoming: ArrayLike, outgoing: ArrayLike) -> Floats:
         """Return rho in 1/sr for local unit directions (..., 3) that broadcast; 0 below the horizon."""
+        incoming, outgoing = _directions(incoming, outgoing)
         (ix, iy, iz), (ox, oy, oz) = _axes(incoming), _axes(outgoing)
         cosine = np.maximum(iz * oz - ix * ox - iy * oy, 0.0)
         lobe = (self.shininess + 2) / (2 * math.pi) * cosine**self.shininess
@@ -141,12 +143,12 @@ class Microfacet:
     Parameters
     ----------
     roughness
-        The width sigma in radians, above 0.
+        The width sigma in radians, 1e-100 to 100.
 
     Raises
     ------
     HarmonicFaceError
-        A roughness that is not above 0.
+        A roughness that is not from 1e-100 to 100.
 
     Examples
     --------
@@ -158,10 +160,11 @@ class Microfacet:
     roughness: float
 
     def __post_init__(self) -> None:
-        _validate.positive(self.roughness, "roughness")
+        roughness_of(self.roughness)
 
-    def __call__(self, incoming: Floats, outgoing: Floats) -> Floats:
+    def __call__(self, incoming: ArrayLike, outgoing: ArrayLike) -> Floats:
         """Return rho in 1/sr for local unit directions (..., 3) that broadcast; 0 below the horizon."""
+        incoming, outgoing = _directions(incoming, outgoing)
         (ix, iy, iz), (ox, oy, oz) = _axes(incoming), _axes(outgoing)
         above = _both_above(incoming, outgoing)
         half = np.arctan2(np.hypot(ix + ox, iy + oy), iz + oz)
@@ -180,12 +183,13 @@ class Ward:
     Parameters
     ----------
     along, across
-        The widths a_x along the tangent and a_y across it, in slope, above 0. Equal widths: an isotropic material.
+        The widths a_x along the tangent and a_y across it, in slope, 1e-100 to 100. Equal widths: an isotropic
+        material.
 
     Raises
     ------
     HarmonicFaceError
-        A width that is not above 0.
+        A width that is not from 1e-100 to 100.
 
     Examples
     --------
@@ -198,11 +202,12 @@ class Ward:
     across: float
 
     def __post_init__(self) -> None:
-        _validate.positive(self.along, "along")
-        _validate.positive(self.across, "across")
+        roughness_of(self.along, "along", "a slope")
+        roughness_of(self.across, "across", "a slope")
 
-    def __call__(self, incoming: Floats, outgoing: Floats) -> Floats:
+    def __call__(self, incoming: ArrayLike, outgoing: ArrayLike) -> Floats:
         """Return rho in 1/sr for local unit directions (..., 3) that broadcast; 0 below the horizon."""
+        incoming, outgoing = _directions(incoming, outgoing)
         (ix, iy, iz), (ox, oy, oz) = _axes(incoming), _axes(outgoing)
         above = _both_above(incoming, outgoing)
         slopes = ((ix + ox) / self.along) ** 2 + ((iy + oy) / self.across) ** 2
@@ -243,14 +248,8 @@ def values(brdf: Brdf, incoming: Floats, outgoing: Floats, form: str = "reciproc
     check_form(form)
     if not callable(brdf):
         raise HarmonicFaceError(f"brdf: expected a function of (incoming, outgoing), got {_validate.describe(brdf)}")
-    incoming, outgoing = _validate.vectors(incoming, "incoming"), _validate.vectors(outgoing, "outgoing")
-    try:
-        shape = np.broadcast_shapes(incoming.shape, outgoing.shape)[:-1]
-    except ValueError:
-        raise HarmonicFaceError(
-            f"outgoing: expected directions that broadcast with incoming ones of shape {incoming.shape}, "
-            f"got {_validate.describe(outgoing)}"
-        ) from None
+    incoming, outgoing = _directions(incoming, outgoing)
+    shape = np.broadcast_shapes(incoming.shape, outgoing.shape)[:-1]
     result = _validate.floats(brdf(incoming, outgoing), "brdf's values")
     if result.shape != shape:
         raise HarmonicFaceError(f"brdf: expected values of shape {shape}, got {_validate.describe(result)}")
@@ -268,6 +267,19 @@ def check_form(form: str) -> str:
     if form not in FORMS:
         raise HarmonicFaceError(f"form: expected one of {', '.join(FORMS)}, got {_validate.describe(form)}")
     return form
+
+
+def _directions(incoming: ArrayLike, outgoing: ArrayLike) -> tuple[Floats, Floats]:
+    """Return two arrays of finite vectors that broadcast."""
+    incoming, outgoing = _validate.vectors(incoming, "incoming"), _validate.vectors(outgoing, "outgoing")
+    try:
+        np.broadcast_shapes(incoming.shape, outgoing.shape)
+    except ValueError:
+        raise HarmonicFaceError(
+            f"outgoing: expected directions that broadcast with incoming ones of shape {incoming.shape}, "
+            f"got {_validate.describe(outgoing)}"
+        ) from None
+    return incoming, outgoing
 
 
 def _axes(directions: Floats) -> tuple[Floats, Floats, Floats]:

@@ -122,6 +122,9 @@ def test_directions_broadcast(model) -> None:
         (lambda: Lambertian(1.5), "albedo: expected a number from 0 to 1, got 1.5"),
         (lambda: Phong(0), "shininess: expected a finite number above 0, got 0"),
         (lambda: Microfacet(-0.1), "roughness: expected a finite number above 0, got -0.1"),
+        (lambda: Microfacet(1e-200), "roughness: expected radians from 1e-100 to 100, got 1e-200"),
+        (lambda: Ward(1e-200, 0.5), "along: expected a slope from 1e-100 to 100, got 1e-200"),
+        (lambda: Ward(0.5, 1e200), r"across: expected a slope from 1e-100 to 100, got 1e\+200"),
         (lambda: Ward(0, 1), "along: expected a finite number above 0"),
         (lambda: Ward(1, math.nan), "across: expected a finite number above 0"),
     ],
@@ -165,3 +168,15 @@ def test_an_unknown_form() -> None:
 def test_no_directions(incoming, message: str) -> None:
     with pytest.raises(HarmonicFaceError, match=message):
         values(Lambertian(), incoming, np.ones((5, 3)))
+
+
+@pytest.mark.parametrize("brdf", [Lambertian(0.5), Phong(20), Microfacet(0.3), Ward(0.2, 0.5)])
+def test_lists_are_directions_too(brdf) -> None:
+    incoming, outgoing = [[0.0, 0.6, 0.8], [0.0, 0.0, 1.0]], [0, 0, 1]
+    assert_array_equal(brdf(incoming, outgoing), brdf(np.array(incoming), np.array(outgoing, float)))
+    with pytest.raises(HarmonicFaceError, match=r"incoming: expected vectors of shape \(..., 3\)"):
+        brdf([0.0, 1.0], outgoing)
+    with pytest.raises(HarmonicFaceError, match="outgoing: expected an array of real numbers"):
+        brdf(incoming, [[1.0], [1.0, 2.0]])
+    with pytest.raises(HarmonicFaceError, match="outgoing: expected directions that broadcast"):
+        brdf(incoming, np.ones((3, 3)))
