@@ -104,21 +104,11 @@ def legendre(cosines: Reals, order: int) -> Reals:
     return result
 
 
-def to_complex_rows(coefficients: Complexes | Reals) -> Complexes:
-    """Take the rows of a matrix from factors of real harmonics to factors of conjugate complex ones.
-
-    sum_a c_a Y_a = sum_a c'_a conj(Y'_a) with Y' the complex harmonics (Condon-Shortley): what incoming indices are.
-    """
-    result = np.array(coefficients, np.complex128)
-    plus, minus, sign = _pairs(result)
-    cosine, sine = coefficients[plus], coefficients[minus]
-    result[plus] = sign * (cosine + 1j * sine) / math.sqrt(2)
-    result[minus] = (cosine - 1j * sine) / math.sqrt(2)
-    return result
-
-
 def to_real_rows(coefficients: Complexes) -> Complexes:
-    """Undo `to_complex_rows`."""
+    """Take the rows of a matrix from factors of conjugate complex harmonics to factors of real ones.
+
+    sum_a c'_a conj(Y'_a) = sum_a c_a Y_a with Y' the complex harmonics (Condon-Shortley): what incoming indices are.
+    """
     result = np.array(coefficients, np.complex128)
     plus, minus, sign = _pairs(result)
     result[plus] = (sign * coefficients[plus] + coefficients[minus]) / math.sqrt(2)

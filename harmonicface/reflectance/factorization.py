@@ -13,7 +13,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.complex import to_real
 from harmonicface.harmonics.indexing import degrees, order_of
 from harmonicface.reflectance._brdf_quadrature import Reals
-from harmonicface.reflectance.lightfield import normalizations
+from harmonicface.reflectance.spectra import degree_norms
 
 ROUNDING = 1e-7
 VANISHING = 0.01  # a light is known to vanish at a degree if this fraction of its constant part would be seen there
@@ -106,7 +106,7 @@ def factor_light_field(
     light_known = tied[degrees(order)]
     ill_posed = {}
     for degree in np.flatnonzero(~tied):
-        faint = VANISHING * np.abs(light[0]) * normalizations(order)[degree] * np.abs(brdf[degree]).max()
+        faint = VANISHING * np.abs(light[0]) * degree_norms(order)[degree] * np.abs(brdf[degree]).max()
         answers = faint > noise  # a light so faint would still be seen
         ill_posed[int(degree)] = _reason(bool(strengths[degree] > noise), bool(answers))
         light_known[degree**2 : (degree + 1) ** 2] = strengths[degree] <= noise and answers
@@ -212,7 +212,7 @@ def _light_of(fields: Reals, brdf: Reals, tied: NDArray[np.bool_] | None = None)
     """Return the light that fits the light field best if the BRDF is this, 0 where that has no answer."""
     order = len(brdf) - 1
     doubled = _doubled(brdf.shape[2])
-    energies = (brdf**2 * doubled).sum(axis=(1, 2)) * normalizations(order)
+    energies = (brdf**2 * doubled).sum(axis=(1, 2)) * degree_norms(order)
     inverse = np.divide(1, energies, out=np.zeros_like(energies), where=energies > 0)
     if tied is not None:
         inverse = inverse * tied
@@ -223,7 +223,7 @@ def _light_of(fields: Reals, brdf: Reals, tied: NDArray[np.bool_] | None = None)
 def _reciprocal(brdf: Reals, light: Reals, tied: NDArray[np.bool_]) -> tuple[Reals, NDArray[np.bool_]]:
     """Return the BRDF and where it is known: rho_lpq and rho_plq are one number, as sure as their lights are bright."""
     size = min(brdf.shape[:2])
-    sure = np.add.reduceat(light**2, np.arange(len(brdf)) ** 2) * normalizations(len(brdf) - 1) ** 2 * tied
+    sure = np.add.reduceat(light**2, np.arange(len(brdf)) ** 2) * degree_norms(len(brdf) - 1) ** 2 * tied
     known = np.broadcast_to(tied[:, None], brdf.shape[:2]).copy()
     known[:size, :size] |= tied[:size]
     own, other = np.broadcast_arrays(sure[:size, None], sure[:size])
@@ -240,7 +240,7 @@ def _reciprocal(brdf: Reals, light: Reals, tied: NDArray[np.bool_]) -> tuple[Rea
 def _residual(fields: Reals, light: Reals, brdf: Reals, tied: NDArray[np.bool_]) -> float:
     """Return the relative L2 distance between the light field and what light and BRDF make, where both are known."""
     degree = degrees(len(brdf) - 1)
-    made = (normalizations(len(brdf) - 1)[degree] * light)[:, None, None] * brdf[degree]
+    made = (degree_norms(len(brdf) - 1)[degree] * light)[:, None, None] * brdf[degree]
     return _in_norms((fields - made) * tied[degree][:, None, None], fields)
 
 

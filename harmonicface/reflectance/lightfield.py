@@ -13,21 +13,11 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.complex import complex_harmonics, to_complex
 from harmonicface.harmonics.indexing import count, degrees, order_of
-from harmonicface.reflectance._brdf_quadrature import Complexes, Reals
+from harmonicface.reflectance._brdf_quadrature import Complexes
 from harmonicface.reflectance.brdf import Brdf, values
 from harmonicface.reflectance.local_light import real_light
 from harmonicface.reflectance.outgoing_kernels import brdf_array
-
-
-def normalizations(order: int) -> Reals:
-    """Return Lambda_l = sqrt(4 pi / (2l + 1)) for l = 0 ... order.
-
-    Examples
-    --------
-    >>> normalizations(1).round(4)
-    array([3.5449, 2.0467])
-    """
-    return np.sqrt(4 * np.pi / (2 * np.arange(_validate.at_least(order, 0, "order") + 1) + 1))
+from harmonicface.reflectance.spectra import degree_norms
 
 
 def light_field(light: ArrayLike, brdf: ArrayLike) -> Complexes:
@@ -67,7 +57,7 @@ def light_field(light: ArrayLike, brdf: ArrayLike) -> Complexes:
     table = table[: order + 1, :, : min(order, table.shape[1] - 1) + 1]
     require(16 * count(order) * table[0].size, f"light field of order {order} by {table.shape[1] - 1}")
     degree = degrees(order)
-    return np.asarray((normalizations(order)[degree] * complexes)[:, None, None] * table[degree])
+    return np.asarray((degree_norms(order)[degree] * complexes)[:, None, None] * table[degree])
 
 
 def light_field_at_angle(light: ArrayLike, kernel: ArrayLike) -> Complexes:
@@ -104,7 +94,7 @@ def light_field_at_angle(light: ArrayLike, kernel: ArrayLike) -> Complexes:
         raise HarmonicFaceError(f"kernel: expected shape (l + 1, l + 1), got {_validate.describe(table)}")
     complexes, order = _common(light, len(table))
     degree = degrees(order)
-    return np.asarray((normalizations(order)[degree] * complexes)[:, None] * table[degree])
+    return np.asarray((degree_norms(order)[degree] * complexes)[:, None] * table[degree])
 
 
 def anisotropic_light_field(light: ArrayLike, brdf: ArrayLike, outgoing: ArrayLike | None = None) -> list[Complexes]:
@@ -157,45 +147,6 @@ def anisotropic_light_field(light: ArrayLike, brdf: ArrayLike, outgoing: ArrayLi
         scaled = np.sqrt(8 * np.pi**2 / (2 * degree + 1)) * complexes[rows]
         result.append(np.tensordot(scaled, table[rows], axes=0))
     return result
-
-
-def blurred_light(light: ArrayLike, response: ArrayLike) -> Reals:
-    r"""Blur the light with the filter of a glossy lobe, so that a mirror shows what the gloss did.
-
-    .. math:: L'_{lm} = \Lambda_l \rho_l L_{lm}, \qquad \Lambda_l \rho'_l = 1
-
-    Convolution is associative: for a lobe that depends on the angle with the reflection vector alone, the gloss under L
-    and a mirror under L' reflect the same (Ramamoorthi & Hanrahan 2004, equation 82), and no picture tells them apart.
-
-    Parameters
-    ----------
-    light
-        ((order + 1)^2,) or ((order + 1)^2, channels) real coefficients.
-    response
-        (order + 1,) Lambda_l rho_l, as from `phong_filter`; of at least the light's order.
-
-    Returns
-    -------
-    array
-        The blurred light, of the light's shape: also the reflection map B_lm over the reflection vector.
-
-    Raises
-    ------
-    HarmonicFaceError
-        Coefficients of another shape, a filter that ends before the light does.
-
-    Examples
-    --------
-    >>> blurred_light([1.0, 0.0, 0.6, 0.0], [1.0, 0.5])
-    array([1. , 0. , 0.3, 0. ])
-    """
-    coefficients, filters = real_light(light), _validate.finite(response, "response")
-    order = order_of(len(coefficients))
-    if filters.ndim != 1 or len(filters) <= order:
-        raise HarmonicFaceError(
-            f"response: expected at least {order + 1} numbers, one a degree, got {_validate.describe(filters)}"
-        )
-    return (coefficients.T * filters[degrees(order)]).T
 
 
 def about_reflection(brdf: Brdf, form: str = "transfer") -> Callable[[Floats, Floats], Floats]:

@@ -15,8 +15,8 @@ from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.complex import to_complex
 from harmonicface.harmonics.indexing import count
 from harmonicface.reflectance._brdf_quadrature import Complexes, Reals, directions
-from harmonicface.reflectance.lightfield import normalizations
 from harmonicface.reflectance.local_light import degree_in_frames, turns_about_z
+from harmonicface.reflectance.spectra import degree_norms
 
 Field = Callable[[NDArray[Any], NDArray[Any]], Any]
 
@@ -80,7 +80,7 @@ def project_light_field(
         every = np.eye(2 * degree + 1)[:, None]
         turned = degree_in_frames(every, waves)  # s, normals, m
         result[degree**2 : (degree + 1) ** 2] = _coupled(turned, outward, orders)
-        result[degree**2 : (degree + 1) ** 2] /= normalizations(degree)[degree]
+        result[degree**2 : (degree + 1) ** 2] /= degree_norms(degree)[degree]
     return np.asarray(to_complex(result), np.complex128)
 
 

@@ -197,7 +197,8 @@ def apply_filter(filter_: ArrayLike, coefficients: ArrayLike) -> Floats:
     r"""Return B_lm = f_l L_lm, the light as a surface with this filter reflects it.
 
     Ramamoorthi & Hanrahan 2004, equation 56. Convolution is associative: light filtered by one material and seen in
-    another is light seen in the product of both filters, and a blurred light in a mirror is the light in a gloss.
+    another is light seen in the product of both filters, and a blurred light in a mirror is the light in a gloss
+    (equation 82): no picture tells them apart.
 
     Parameters
     ----------

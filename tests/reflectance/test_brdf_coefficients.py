@@ -20,7 +20,7 @@ from harmonicface.reflectance.brdf_coefficients import (
     isotropic_coefficients,
 )
 from harmonicface.reflectance.filters import lambertian_filter
-from harmonicface.reflectance.lightfield import normalizations
+from harmonicface.reflectance.spectra import degree_norms
 
 
 def angles(nodes: int, limit: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -101,7 +101,7 @@ def test_the_microfacet_model_against_brute_force() -> None:
 
 
 def test_a_matte_surface_in_closed_form() -> None:
-    clamped = lambertian_filter(30) / normalizations(30)
+    clamped = lambertian_filter(30) / degree_norms(30)
     found = isotropic_coefficients(Lambertian(0.6), 30)
     assert_allclose(found[:, :, 0], 0.6 / math.pi * np.outer(clamped, clamped), rtol=0, atol=1e-12)
     assert np.abs(found[:, :, 1:]).max() < 1e-12

@@ -140,6 +140,10 @@ def test_errors() -> None:
         apply_filter([1.0], [np.nan])
     with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0"):
         mirror_filter(-1)
+    with pytest.raises(HarmonicFaceError, match="order: expected an integer of at least 0"):
+        degree_norms(-1)
+    with pytest.raises(HarmonicFaceError, match="filter: expected one number a degree"):
+        apply_filter(np.ones((3, 3)), np.ones(9))
 
 
 def test_spectra_beyond_the_memory() -> None:
