@@ -36,7 +36,7 @@ def test_the_error_against_brute_force_falls_with_the_order(lobe, filter_of, ord
 
 
 def test_a_phong_lobe_of_even_exponent_needs_no_more_than_its_own_degrees_and_the_odd_ones() -> None:
-    # max(u, 0)^s is half of u^s plus half of |u|^s: for s = 4 the even harmonics end at degree 4
+    # max(u, 0)^s is half of u^s plus half of sign(u) |u|^s: for s = 4 the even harmonics end at degree 4
     even = phong_filter(4, 12)[6::2]
     assert_allclose(even, 0, atol=1e-16)
 
