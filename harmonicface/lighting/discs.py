@@ -16,7 +16,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.lighting._rotation import rotation_matrix
-from harmonicface.lighting.light import BRIGHTEST, Light, require_at_most
+from harmonicface.lighting.light import BRIGHTEST, Light, require_at_most, scaled
 
 SMALL = 0.1  # radians below which the sum of a series keeps more digits than the difference of its parts
 ARCTAN_SERIES = 1 / np.arange(3.0, 19.0, 2.0)
@@ -101,8 +101,8 @@ class DiscLight(Light):
     def rotated(self, rotation: Any) -> DiscLight:
         return replace(self, direction=rotation_matrix(rotation) @ self.direction)
 
-    def __mul__(self, factor: float) -> DiscLight:
-        return replace(self, strength=self.strength * factor)
+    def __mul__(self, factor: ArrayLike) -> DiscLight:
+        return replace(self, strength=scaled(self.strength, factor, self.channels == 3))
 
 
 def _share_of_disc(cosine: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:

@@ -23,7 +23,7 @@ from harmonicface.lighting._resampling import resampled
 from harmonicface.lighting._rotation import rotation_matrix
 from harmonicface.lighting.cube import cross_of_faces
 from harmonicface.lighting.layouts import layout_named
-from harmonicface.lighting.light import BRIGHTEST, Light, no_coefficients, require_at_most
+from harmonicface.lighting.light import BRIGHTEST, Light, no_coefficients, require_at_most, scaled
 from harmonicface.lighting.reading import read_environment
 
 BLOCK = 1 << 14  # pixels whose harmonics are held at once
@@ -216,5 +216,5 @@ class EnvironmentMap(Light):
         matrix = rotation_matrix(rotation)
         return replace(self, rotation=matrix if self.rotation is None else matrix @ self.rotation)
 
-    def __mul__(self, factor: float) -> EnvironmentMap:
-        return replace(self, radiance=self.radiance * factor)
+    def __mul__(self, factor: ArrayLike) -> EnvironmentMap:
+        return replace(self, radiance=scaled(self.radiance, factor, self.channels == 3))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,8 +24,10 @@ BRIGHTEST = 1e30  # far beyond any light, and its sums over millions of pixels a
 class Light(ABC):
     """Distant light L(w), a function of direction alone; grey, or one value a colour.
 
-    Lights add: `sun + sky` is a Light. They scale: `0.5 * sun` is a Light.
+    Lights add: `sun + sky` is a Light. They scale: `0.5 * sun` is a Light, and `[1, 0.9, 0.7] * sun` a tinted one.
     """
+
+    __array_ufunc__: ClassVar[None] = None  # an array times a light is a light, not an array of lights
 
     @property
     @abstractmethod
@@ -72,9 +74,9 @@ class Light(ABC):
         """
 
     @abstractmethod
-    def __mul__(self, factor: float) -> Light: ...
+    def __mul__(self, factor: ArrayLike) -> Light: ...
 
-    def __rmul__(self, factor: float) -> Light:
+    def __rmul__(self, factor: ArrayLike) -> Light:
         return self * factor
 
     def __add__(self, other: Light) -> Light:
@@ -201,8 +203,8 @@ class HarmonicLight(Light):
         values[1:4] += math.sqrt(4 * math.pi / 3) * np.multiply.outer(towards[[1, 2, 0]], colours)
         return HarmonicLight(values)
 
-    def __mul__(self, factor: float) -> HarmonicLight:
-        return HarmonicLight(self.values * factor)
+    def __mul__(self, factor: ArrayLike) -> HarmonicLight:
+        return HarmonicLight(scaled(self.values, factor, self.channels == 3))
 
     def _a_colour(self, value: ArrayLike, name: str) -> Floats:
         """Return one number for grey light, three for coloured; one number is the same for all colours."""
@@ -241,8 +243,24 @@ class SumOfLights(Light):
     def rotated(self, rotation: Any) -> SumOfLights:
         return SumOfLights(tuple(part.rotated(rotation) for part in self.parts))
 
-    def __mul__(self, factor: float) -> SumOfLights:
+    def __mul__(self, factor: ArrayLike) -> SumOfLights:
         return SumOfLights(tuple(part * factor for part in self.parts))
+
+
+def scaled(values: Floats, factor: ArrayLike, coloured: bool) -> Floats:
+    """Return values times one factor, or times three: one a colour, by which grey values, (...), become (..., 3).
+
+    Raises
+    ------
+    HarmonicFaceError
+        A factor that is not finite, or neither one number nor three.
+    """
+    number = _validate.finite(factor, "factor")
+    if number.shape not in ((), (3,)):
+        raise HarmonicFaceError(f"factor: expected one number or three, got {_validate.describe(number)}")
+    with np.errstate(over="ignore", invalid="ignore"):  # each light refuses what is not finite
+        exact = number.astype(values.dtype)
+        return np.asarray(values * exact if coloured or number.ndim == 0 else np.multiply.outer(values, exact))
 
 
 def require_at_most(largest: float, values: Floats, name: str) -> None:

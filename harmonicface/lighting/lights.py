@@ -34,7 +34,9 @@ def directional(direction: ArrayLike, strength: ArrayLike = 1.0) -> DirectionalL
     >>> directional([0, 0, 1]).irradiance([0.0, 0.6, 0.8])
     array(0.8)
     """
-    return DirectionalLights(np.atleast_2d(_validate.vectors(direction, "direction")), np.asarray(strength)[None])
+    return DirectionalLights(
+        np.atleast_2d(_validate.vectors(direction, "direction")), _validate.floats(strength, "strength")[None]
+    )
 
 
 def from_angles(azimuth: float, elevation: float, strength: ArrayLike = 1.0) -> DirectionalLights:
@@ -81,7 +83,7 @@ def ambient(strength: ArrayLike = 1.0) -> AmbientLight:
     >>> ambient(0.3).irradiance([0.0, 0.0, -1.0])
     array(0.3)
     """
-    return AmbientLight(np.asarray(strength))
+    return AmbientLight(_validate.floats(strength, "strength"))
 
 
 def area(direction: ArrayLike, radius: float, strength: ArrayLike = 1.0) -> DiscLight:
@@ -106,7 +108,7 @@ def area(direction: ArrayLike, radius: float, strength: ArrayLike = 1.0) -> Disc
     >>> area([0, 0, 1], 30).irradiance([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]).round(4)
     array([1.    , 0.1153, 0.    ])
     """
-    return DiscLight(np.asarray(direction), radius, np.asarray(strength))
+    return DiscLight(_validate.floats(direction, "direction"), radius, _validate.floats(strength, "strength"))
 
 
 def cone(direction: ArrayLike, radius: float, strength: ArrayLike = 1.0) -> DiscLight:
@@ -140,4 +142,4 @@ def sky(strength: ArrayLike = 1.0, up: ArrayLike = (0.0, 1.0, 0.0)) -> DiscLight
     >>> sky().irradiance([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]).round(12)
     array([1. , 0.5, 0. ])
     """
-    return DiscLight(np.asarray(up), 90.0, np.asarray(strength))
+    return DiscLight(_validate.floats(up, "up"), 90.0, _validate.floats(strength, "strength"))

@@ -67,6 +67,6 @@ def published(name: str) -> HarmonicLight:
     >>> published("grace").irradiance([[0.0, 1.0, 0.0]]).round(3)
     array([[1.049, 0.792, 1.258]])
     """
-    if name not in TABLE:
+    if not isinstance(name, str) or name not in TABLE:
         raise HarmonicFaceError(f"name: expected one of {', '.join(map(repr, TABLE))}, got {name!r}")
     return HarmonicLight(np.array(TABLE[name]))

@@ -14,7 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.lighting._clamped_cosine import sum_clamped_cosine
 from harmonicface.lighting._rotation import rotation_matrix
-from harmonicface.lighting.light import BRIGHTEST, Light, no_coefficients, require_at_most
+from harmonicface.lighting.light import BRIGHTEST, Light, no_coefficients, require_at_most, scaled
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +71,8 @@ class DirectionalLights(Light):
     def rotated(self, rotation: Any) -> DirectionalLights:
         return DirectionalLights(self.directions @ rotation_matrix(rotation).T, self.strengths)
 
-    def __mul__(self, factor: float) -> DirectionalLights:
-        return DirectionalLights(self.directions, self.strengths * factor)
+    def __mul__(self, factor: ArrayLike) -> DirectionalLights:
+        return DirectionalLights(self.directions, scaled(self.strengths, factor, self.channels == 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,5 +123,5 @@ class AmbientLight(Light):
         rotation_matrix(rotation)
         return self
 
-    def __mul__(self, factor: float) -> AmbientLight:
-        return AmbientLight(self.strength * factor)
+    def __mul__(self, factor: ArrayLike) -> AmbientLight:
+        return AmbientLight(scaled(self.strength, factor, self.channels == 3))
