@@ -62,7 +62,7 @@ class Solution:
 
 
 def shown(order: int) -> NDArray[np.intp]:
-    """Return where the modes with A_l > 0 are stored: degrees 0, 1, 2, 4, 6 ..."""
+    """Return where the modes with A_l other than 0 are stored: degrees 0, 1, 2, 4, 6 ..."""
     return np.flatnonzero(lambertian_weights(order))
 
 
@@ -136,14 +136,13 @@ def solved(factors: Factors, noise: float | None, ridge: float | None) -> Soluti
     plain = _inverse(factors.triangle, np.zeros(k), doubt)
     noisy, error = _errors(factors.triangle, plain, relative, tail)
     squares, directions = np.linalg.eigh(error)
-    free = (squares > CUT**2) | (np.linalg.norm(factors.triangle[:, :k] @ directions, axis=0) <= RANK * values[0])
+    blind = np.asarray(np.linalg.norm(factors.triangle[:, :k] @ directions, axis=0) <= RANK * values[0])
     lost = squares > TRUSTED**2
     drowned = lost & (np.einsum("aj,ab,bj->j", directions, noisy, directions) > squares / 2)
-    if ridge == 0:
-        cut = directions[:, free]
-        inverse = _smoothest(decay, cut.T) @ (plain - cut @ (cut.T @ plain))
-    else:
-        inverse = _inverse(factors.triangle, decay * (relative if ridge is None else np.sqrt(ridge) * first), doubt)
+    held = decay * (relative if ridge is None else np.sqrt(ridge) * first)
+    inverse = _inverse(factors.triangle, held, doubt) if held.any() else plain
+    cut = directions[:, blind | (squares > CUT**2) if ridge == 0 else blind]  # a ridge too weak for rounding is none
+    inverse = _smoothest(decay, cut.T) @ (inverse - cut @ (cut.T @ inverse))
     coefficients = inverse @ factors.image
     noisy, error = _errors(factors.triangle, inverse, relative, tail)
     misfit = np.hypot(np.linalg.norm(factors.triangle[:, :k] @ coefficients - factors.image), factors.rest)

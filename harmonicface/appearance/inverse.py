@@ -29,15 +29,17 @@ class LightEstimate:
     ----------
     coefficients
         ((order + 1)^2,) radiance coefficients L_lm; 0 for odd degrees above 1. Along the other modes in
-        `unrecoverable` they are hardly a measurement; where the error would exceed twice the ambient light, they are
-        those of the smoothest light that explains the photograph: the least sum of (A_0 / |A_l|) L_lm^2 over l > 0.
+        `unrecoverable` they are hardly a measurement: where the photograph tells nothing, and without a ridge where
+        the error would exceed twice the ambient light, they are those of the smoothest light that explains the
+        photograph, the least sum of (A_0 / |A_l|) L_lm^2 over l > 0.
     std
         Standard deviation of each coefficient that the photograph's noise causes; infinite where `recoverable` is
         false.
     systematic
         Root mean square error that light above the order and what the normals hide cause, if each mode of it is as
-        strong as the ambient one. Errors on faces stay below it: a third of it under lamps, two thirds under natural
-        light.
+        strong as the ambient one: a scale, not a bound. On twelve faces without noise the errors' root mean square was
+        0.25 of it under lamps and 0.13 under natural light, and at most 0.70; without a ridge 0.29 and 0.73, and 6 %
+        of the coefficients under natural light exceeded it, up to 4.7 times.
     recoverable
         True where noise and systematic error together stay below half of the ambient light.
     singular_values
@@ -83,7 +85,7 @@ def estimate_light(
     *,
     mask: ArrayLike | None = None,
     noise: float | None = None,
-    ridge: float | Literal["decay"] = 0.0,
+    ridge: float | Literal["decay"] = "decay",
     saturation: float = np.inf,
 ) -> LightEstimate:
     r"""Estimate the distant light of a photograph of a matte convex Surface.
@@ -97,9 +99,9 @@ def estimate_light(
     light makes them likely, and thrown away: on a half sphere harmonics are not orthogonal, and what is left out of
     the fit would pass for light of the order, which there costs several times more than the noise. Degrees 3, 5, 7
     ... have A_l = 0 and are named, not solved for; so are the modes that noise or the light above the order make
-    useless, as light from behind a face. The paper
-    says that E_4m is approximately 4 % of E_00, as it is: A_4 / A_0 is 4.2 %; the "about 1 %" of the later chapter
-    (Ramamoorthi, Modeling Illumination Variation with Spherical Harmonics, 2005) understates the filter.
+    useless, as light from behind a face. The paper says that E_4m is approximately 4 % of E_00, as it is: A_4 / A_0 is
+    4.2 %; the "about 1 %" of the later chapter (Ramamoorthi, Modeling Illumination Variation with Spherical
+    Harmonics, 2005) understates the filter.
 
     Parameters
     ----------
@@ -115,9 +117,11 @@ def estimate_light(
         Standard deviation of a pixel, in the photograph's units. By default it is taken from what no light, up to six
         degrees above the order, explains.
     ridge
-        0: none. A positive number: lambda as a fraction of the ambient image's energy, heavier where the filter
-        passes less. "decay": lambda from the noise, as if the variance of L_lm were |A_l| / A_0 of the ambient
-        light's square, which is close to what rooms and streets have. The modes without a trustworthy number are
+        "decay": lambda from the noise, as if the variance of L_lm were |A_l| / A_0 of the ambient light's square,
+        which is close to what rooms and streets have. Relative errors of twelve faces under natural light, at the
+        median: 0.12 without noise and 0.13 with 1 % (0.28 and 0.16 without a ridge); under a lamp 0.63 and 0.24 (0.38
+        and 0.29). Where all normals are seen it changes nothing. 0: none. A positive number: lambda as a fraction of
+        the ambient image's energy, heavier where the filter passes less. The modes without a trustworthy number are
         named all the same.
     saturation
         Pixels at or above it, in any channel, are left out.
