@@ -19,6 +19,17 @@ def coefficients(value: ArrayLike, name: str = "coefficients") -> tuple[Floats, 
     return given, order_of(len(given))
 
 
+def numbers(value: ArrayLike, name: str) -> NDArray[Any]:
+    """Return real or complex numbers as an array."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "biufc":
+            raise TypeError
+    except (TypeError, ValueError):  # ragged lists among them
+        raise HarmonicFaceError(f"{name}: expected complex numbers, got {_validate.describe(value)}") from None
+    return array
+
+
 def nothing_outside(given: NDArray[Any], first: Any, rest: Any, where: str) -> None:
     """Refuse numbers where there is no harmonic, which a conversion would lose."""
     outside = given.copy()

@@ -57,7 +57,7 @@ def to_pyshtools(coefficients: ArrayLike, normalization: Normalization = "4pi", 
     given, order = checked(coefficients)
     scale = _pyshtools_scale(order, normalization, csphase)
     result = np.zeros((2, order + 1, order + 1, *given.shape[1:]), given.dtype)
-    result[_cilm(order)] = (given.T / scale).T
+    result[_cilm(order)] = _scaled(given, 1 / scale)
     return result
 
 
@@ -80,7 +80,7 @@ def from_pyshtools(cilm: ArrayLike, normalization: Normalization = "4pi", csphas
     ------
     HarmonicFaceError
         Another shape than (2, order + 1, order + 1, ...), NaN or infinity, numbers where there is no harmonic,
-        another normalization or phase.
+        another normalization or phase, a result that overflows.
 
     Examples
     --------
@@ -94,7 +94,16 @@ def from_pyshtools(cilm: ArrayLike, normalization: Normalization = "4pi", csphas
     scale = _pyshtools_scale(order, normalization, csphase)
     places = _cilm(order)
     nothing_outside(given, places[0], places[1:], "m > l, and for the sine of m = 0")
-    return (given[places].T * scale).T.astype(given.dtype, copy=False)
+    return _scaled(given[places], scale)
+
+
+def _scaled(given: Floats, scale: NDArray[np.float64]) -> Floats:
+    """Return numbers times one factor a harmonic, of their type, refused where they leave it."""
+    with np.errstate(over="ignore"):
+        result = (given.T * scale).T.astype(given.dtype, copy=False)
+    if not np.isfinite(result).all():
+        raise HarmonicFaceError(f"coefficients: expected ones that fit {given.dtype} when scaled, got an overflow")
+    return np.asarray(result)
 
 
 def _cilm(order: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics._checked import numbers
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count, modes, order_of
 
@@ -104,16 +105,14 @@ def to_real(coefficients: ArrayLike) -> Floats:
     Raises
     ------
     HarmonicFaceError
-        A count that is not a square number, NaN or infinity, coefficients of a function that is not real.
+        No numbers, a count that is not a square number, NaN or infinity, coefficients of a function that is not real.
 
     Examples
     --------
     >>> to_real([1.0, 0.5j, 2.0, 0.5j]).round(4)
     array([ 1.    ,  0.7071,  2.    , -0.    ])
     """
-    given = np.atleast_1d(np.asarray(coefficients))
-    if given.dtype.kind not in "biufc":
-        raise HarmonicFaceError(f"coefficients: expected complex numbers, got {_validate.describe(coefficients)}")
+    given = np.atleast_1d(numbers(coefficients, "coefficients"))
     if not np.isfinite(given).all():
         raise HarmonicFaceError(f"coefficients: expected finite numbers, got {_validate.describe(given)}")
     order = order_of(len(given))

@@ -11,7 +11,7 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics._checked import coefficients as checked
-from harmonicface.harmonics._checked import nothing_outside
+from harmonicface.harmonics._checked import nothing_outside, numbers
 from harmonicface.harmonics.complex import Complexes, to_complex, to_real
 from harmonicface.harmonics.indexing import degrees, modes
 
@@ -155,7 +155,7 @@ def from_scipy(coefficients: ArrayLike) -> Floats:
     >>> from_scipy(to_scipy([0.0, 1.0, 2.0, 3.0])).round(6)
     array([0., 1., 2., 3.])
     """
-    given = np.asarray(coefficients)
+    given = numbers(coefficients, "coefficients")
     if given.ndim < 2 or given.shape[1] != 2 * given.shape[0] - 1:
         raise HarmonicFaceError(f"coefficients: expected shape (order + 1, 2 order + 1, ...), got {given.shape}")
     order = len(given) - 1

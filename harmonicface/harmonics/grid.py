@@ -36,7 +36,7 @@ class SphereGrid:
     Raises
     ------
     HarmonicFaceError
-        Arrays of other shapes, z beyond -1 to 1, no column.
+        No numbers, arrays of other shapes, z beyond -1 to 1, weights that are NaN or infinite, no column.
     """
 
     z: Floats64
@@ -44,11 +44,15 @@ class SphereGrid:
     columns: int
 
     def __post_init__(self) -> None:
+        for name in ("z", "row_weights"):  # lists become arrays
+            array = np.asarray(_validate.floats(getattr(self, name), name), np.float64)
+            object.__setattr__(self, name, array)
         if self.z.ndim != 1 or self.z.shape != self.row_weights.shape or not (np.abs(self.z) <= 1).all():
             raise HarmonicFaceError(
                 f"grid: expected rows of z from -1 to 1 and as many weights, got shapes {self.z.shape} and "
                 f"{self.row_weights.shape}"
             )
+        _validate.finite(self.row_weights, "row_weights")
         _validate.at_least(self.columns, 1, "columns")
 
     @property
@@ -75,6 +79,13 @@ class SphereGrid:
     def weights(self) -> Floats64:
         """Quadrature weight of each direction, (rows * columns,); a function's integral is `weights @ values`."""
         return np.repeat(self.row_weights, self.columns)
+
+
+def expect_grid(grid: SphereGrid) -> SphereGrid:
+    """Return a grid if it is one."""
+    if not isinstance(grid, SphereGrid):
+        raise HarmonicFaceError(f"grid: expected a SphereGrid, got {_validate.describe(grid)}")
+    return grid
 
 
 def sphere_grid(order: int) -> SphereGrid:
@@ -180,13 +191,14 @@ def harmonics_on_grid(grid: SphereGrid, order: int) -> Floats64:
     Raises
     ------
     HarmonicFaceError
-        A negative order, a result larger than the memory.
+        No grid, a negative order, a result larger than the memory.
 
     Examples
     --------
     >>> harmonics_on_grid(sphere_grid(1), 1)[:, 0, 0].round(4)
     array([0.2821, 0.    , 0.2821, 0.3989])
     """
+    expect_grid(grid)
     result = _memory.empty((count(order), *grid.shape), np.float64, f"harmonics of order {order} on {grid.shape}")
     along = meridian(grid, order)
     for mode in range(order + 1):

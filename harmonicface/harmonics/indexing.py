@@ -28,16 +28,17 @@ def order_of(size: int) -> int:
     Raises
     ------
     HarmonicFaceError
-        The size is not a square number: 1, 4, 9, 16, ...
+        The size is no integer that is a square number: 1, 4, 9, 16, ...
 
     Examples
     --------
     >>> order_of(9)
     2
     """
-    root = math.isqrt(max(size, 0))
-    if size < 1 or root * root != size:
-        raise HarmonicFaceError(f"coefficients: expected (order + 1)^2 of them (1, 4, 9, 16, ...), got {size}")
+    whole = isinstance(size, (int, np.integer)) and not isinstance(size, bool)
+    root = math.isqrt(max(size, 0)) if whole else 0
+    if root < 1 or root * root != size:
+        raise HarmonicFaceError(f"coefficients: expected (order + 1)^2 of them (1, 4, 9, 16, ...), got {size!r}")
     return root - 1
 
 

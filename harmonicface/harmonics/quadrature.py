@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _memory, _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.harmonics.grid import SphereGrid, meridian, sphere_grid
+from harmonicface.harmonics.grid import SphereGrid, expect_grid, meridian, sphere_grid
 from harmonicface.harmonics.indexing import count, order_of
 from harmonicface.harmonics.scattered import fit
 
@@ -45,14 +45,14 @@ def project(
     Raises
     ------
     HarmonicFaceError
-        Values that are not finite or do not fit the grid, an order that the grid's columns cannot tell apart.
+        No grid, values that are not finite or do not fit the grid, an order that the grid's columns cannot tell apart.
 
     Examples
     --------
     >>> project(lambda n: 1 + n[:, 2], order=1).round(4) + 0.0
     array([3.5449, 0.    , 2.0467, 0.    ])
     """
-    grid = sphere_grid(order) if grid is None else grid
+    grid = sphere_grid(order) if grid is None else expect_grid(grid)
     size = count(order)
     if 2 * order + 1 > grid.columns:
         raise HarmonicFaceError(
@@ -92,7 +92,7 @@ def synthesize(coefficients: ArrayLike, grid: SphereGrid) -> Floats64:
     Raises
     ------
     HarmonicFaceError
-        A count that is not a square number, NaN or infinity, values larger than the memory.
+        No grid, a count that is not a square number, NaN or infinity, values larger than the memory.
 
     Examples
     --------
@@ -103,6 +103,7 @@ def synthesize(coefficients: ArrayLike, grid: SphereGrid) -> Floats64:
     given = _validate.finite(coefficients, "coefficients")
     if given.ndim not in (1, 2):
         raise HarmonicFaceError(f"coefficients: expected shape (k,) or (k, channels), got {given.shape}")
+    expect_grid(grid)
     order = order_of(len(given))
     columns = given.reshape(len(given), -1)
     _memory.require(24 * columns.shape[1] * grid.columns * len(grid.z), f"values on a grid of {grid.shape}")

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics import _checked
 
 HIGHEST_ORDER = 1_000_000  # eight megabytes a filter, and far beyond any light that was ever measured
 
@@ -27,7 +28,10 @@ def at_least_zero(value: float, name: str) -> float:
         raise HarmonicFaceError(f"{name}: expected a number of at least 0, got {_validate.describe(value)}")
     if not 0 <= value < np.inf:
         raise HarmonicFaceError(f"{name}: expected a finite number of at least 0, got {value}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:  # an integer beyond the largest float
+        raise HarmonicFaceError(f"{name}: expected a finite number of at least 0, got infinity") from None
 
 
 def roughness_of(value: float, name: str = "roughness", unit: str = "radians") -> float:
@@ -48,7 +52,7 @@ def filter_values(values: ArrayLike, name: str = "filter") -> Floats:
 
 def numbers(value: ArrayLike, name: str) -> NDArray[Any]:
     """Return a finite array of real or complex numbers."""
-    array = np.asarray(value)
+    array = _checked.numbers(value, name)
     if array.dtype.kind != "c":
         return _validate.finite(value, name)
     if not np.isfinite(array).all():

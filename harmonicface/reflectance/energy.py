@@ -154,7 +154,7 @@ def worst_pixel_error(filter_: ArrayLike, lobe: Callable[[Floats], Floats]) -> f
     Raises
     ------
     HarmonicFaceError
-        A filter that is not one finite number a degree, a lobe that is not finite or not vectorized.
+        A filter that is not one finite number a degree, a lobe that is no function, not finite or not vectorized.
 
     Examples
     --------
@@ -162,6 +162,8 @@ def worst_pixel_error(filter_: ArrayLike, lobe: Callable[[Floats], Floats]) -> f
     0.09375
     """
     values = filter_values(filter_)
+    if not callable(lobe):
+        raise HarmonicFaceError(f"lobe: expected a function of cosines, got {_validate.describe(lobe)}")
     series = (2 * np.arange(len(values)) + 1) * values / (4 * math.pi)
 
     def error(angle: Floats) -> Floats:

@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics._checked import numbers
 from harmonicface.harmonics.complex import to_real
 from harmonicface.harmonics.indexing import degrees, order_of
 from harmonicface.reflectance._brdf_quadrature import Reals
@@ -125,7 +126,7 @@ def factor_light_field(
 
 def _fields(coefficients: ArrayLike) -> Reals:
     """Return B in real harmonics of the light, (k, p, q), checked."""
-    given = np.asarray(coefficients)
+    given = numbers(coefficients, "light field")
     if given.ndim != 3 or given.dtype.kind not in "iufc" or given.size == 0 or not np.isfinite(given).all():
         raise HarmonicFaceError(
             f"light field: expected finite coefficients (lm, p, q), got {_validate.describe(given)}"

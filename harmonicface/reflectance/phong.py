@@ -14,6 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.reflectance._arguments import at_least_zero, filter_order
 
 Gaussian = Literal["paper", "linear", "matched"]
+SLACK = 2.1e-3  # of a cosine, since unit vectors may be off by a thousandth each
 
 
 def phong_lobe(cosines: ArrayLike, shininess: float) -> Floats:
@@ -37,7 +38,7 @@ def phong_lobe(cosines: ArrayLike, shininess: float) -> Floats:
     Raises
     ------
     HarmonicFaceError
-        A negative shininess, cosines that are not finite.
+        A negative shininess, cosines that are not finite or beyond -1 to 1.
 
     Examples
     --------
@@ -46,6 +47,10 @@ def phong_lobe(cosines: ArrayLike, shininess: float) -> Floats:
     """
     exponent = at_least_zero(shininess, "shininess")
     values = _validate.finite(cosines, "cosines")
+    if values.size and np.abs(values).max() > 1 + SLACK:
+        raise HarmonicFaceError(
+            f"cosines: expected numbers from -1 to 1, got {values.flat[np.abs(values).argmax()]:.6g}"
+        )
     return np.asarray((exponent + 1) / (2 * math.pi) * np.where(values > 0, np.maximum(values, 0) ** exponent, 0))
 
 
@@ -124,7 +129,7 @@ def phong_sensitivity(shininess: float, order: int) -> NDArray[np.float64]:
     for degree in range(1, len(values)):
         below, slope = (values[degree - 2], result[degree - 2]) if degree > 1 else (1.0, 0.0)
         total = exponent + degree + 1
-        result[degree] = (exponent - degree + 2) / total * slope + (2 * degree - 1) / total**2 * below
+        result[degree] = (exponent - degree + 2) / total * slope + (2 * degree - 1) / total / total * below
     return result
 
 

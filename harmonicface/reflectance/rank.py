@@ -127,7 +127,8 @@ def sphere_kernel_rank(
     Raises
     ------
     HarmonicFaceError
-        A negative order or one with a grid beyond 4096 directions, a kernel whose values do not fit.
+        A negative order or one with a grid beyond 4096 directions, a kernel that is no function or whose values
+        do not fit.
 
     Examples
     --------
@@ -138,6 +139,8 @@ def sphere_kernel_rank(
     size = (_validate.at_least(order, 0, "order") + 1) * (2 * order + 1)
     if size > LARGEST_GRID:
         raise HarmonicFaceError(f"order: expected a grid of at most {LARGEST_GRID} directions, got {size} at {order}")
+    if not callable(kernel):
+        raise HarmonicFaceError(f"kernel: expected a function of two directions, got {_validate.describe(kernel)}")
     grid = sphere_grid(order)
     directions, shares = grid.directions, grid.weights
     values = np.asarray(kernel(directions[:, None], directions[None]))

@@ -109,3 +109,16 @@ def test_conventions_that_are_none() -> None:
         to_pyshtools(np.ones(4), "sn3d")
     with pytest.raises(HarmonicFaceError, match="csphase: expected 1 or -1, got 0"):
         from_pyshtools(np.zeros((2, 2, 2)), csphase=0)
+
+
+def test_numbers_that_leave_their_type() -> None:
+    cilm = np.zeros((2, 31, 31), np.float32)
+    cilm[0, 30, 30] = 1.0
+    with pytest.raises(
+        HarmonicFaceError, match="coefficients: expected ones that fit float32 when scaled, got an over"
+    ):
+        from_pyshtools(cilm, "unnorm")
+    with pytest.raises(
+        HarmonicFaceError, match="coefficients: expected ones that fit float64 when scaled, got an over"
+    ):
+        to_pyshtools(np.full(121, 1.7e308), "schmidt")

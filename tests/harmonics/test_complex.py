@@ -90,3 +90,8 @@ def test_no_directions(directions: object) -> None:
 def test_more_than_the_memory_holds() -> None:
     with pytest.raises(HarmonicFaceError, match=r"complex harmonics of order 3000: need .* GB of memory"):
         complex_harmonics(np.broadcast_to([0.0, 0.0, 1.0], (10**8, 3)), 3000)
+
+
+def test_ragged_coefficients() -> None:
+    with pytest.raises(HarmonicFaceError, match="coefficients: expected complex numbers, got list"):
+        to_real([[1.0], [1.0, 2.0]])

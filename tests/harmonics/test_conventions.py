@@ -108,3 +108,8 @@ def test_harmonics_that_are_not_sphericarts() -> None:
 def test_arrays_that_are_not_scipys(given: np.ndarray, message: str) -> None:
     with pytest.raises(HarmonicFaceError, match=f"coefficients: {message}"):
         conventions.from_scipy(given)
+
+
+def test_ragged_coefficients_of_scipy() -> None:
+    with pytest.raises(HarmonicFaceError, match="coefficients: expected complex numbers, got list"):
+        conventions.from_scipy([[1.0], [1.0, 2.0]])

@@ -99,6 +99,10 @@ def test_a_map_converges_as_the_square_of_its_rows() -> None:
         (np.zeros((2, 1)), np.zeros((2, 1)), 4, "grid: expected rows of z"),
         (np.array([1.1]), np.ones(1), 4, "grid: expected rows of z from -1 to 1"),
         (np.array([np.nan]), np.ones(1), 4, "grid: expected rows of z from -1 to 1"),
+        ([0.0, 0.5], [1.0], 4, "grid: expected rows of z"),
+        ("x", np.ones(1), 4, "z: expected an array of real numbers"),
+        (np.zeros(1), [[1.0], [1.0, 2.0]], 4, "row_weights: expected an array of real numbers"),
+        (np.zeros(1), np.array([np.nan]), 4, "row_weights: expected finite numbers"),
         (np.zeros(1), np.ones(1), 0, "columns: expected an integer of at least 1"),
     ],
 )
@@ -125,3 +129,14 @@ def test_grids_beyond_the_memory() -> None:
         latlong_grid(10**6, 2 * 10**6)
     with pytest.raises(HarmonicFaceError, match=r"harmonics of order 20000 on \(65, 129\): need .* GB of memory"):
         harmonics_on_grid(sphere_grid(64), 20000)
+
+
+def test_lists_are_rows_too() -> None:
+    grid = SphereGrid([-0.5, 0.5], [np.pi / 2, np.pi / 2], 4)
+    assert grid.directions.shape == (8, 3)
+    assert grid.weights.sum() == pytest.approx(4 * np.pi)
+
+
+def test_harmonics_on_no_grid() -> None:
+    with pytest.raises(HarmonicFaceError, match="grid: expected a SphereGrid, got str 'x'"):
+        harmonics_on_grid("x", 1)

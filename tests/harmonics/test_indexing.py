@@ -49,3 +49,9 @@ def test_harmonics_beyond_the_memory() -> None:
             HarmonicFaceError, match=rf"{function.__name__} of the harmonics of order 10000000: need .* GB"
         ):
             function(10**7)
+
+
+@pytest.mark.parametrize("size", [9.0, "9", None, True])
+def test_no_whole_number_is_no_order(size: object) -> None:
+    with pytest.raises(HarmonicFaceError, match=rf"expected \(order \+ 1\)\^2 of them .*, got {size!r}"):
+        order_of(size)

@@ -125,3 +125,10 @@ def test_values_beyond_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("harmonicface._memory.physical_memory", lambda: 10**7)
     with pytest.raises(HarmonicFaceError, match=r"values on a grid of \(1000, 2000\): need 0.048 GB of memory"):
         synthesize(np.ones(4), grid)
+
+
+def test_no_grid() -> None:
+    with pytest.raises(HarmonicFaceError, match="grid: expected a SphereGrid, got str 'x'"):
+        project(lambda n: n[:, 2], 1, "x")
+    with pytest.raises(HarmonicFaceError, match="grid: expected a SphereGrid, got str 'x'"):
+        synthesize(np.ones(4), "x")

@@ -105,3 +105,8 @@ def test_errors() -> None:
         worst_pixel_error([1.0], lambda cosine: cosine * np.nan)
     with pytest.raises(HarmonicFaceError, match="lobe: expected values of shape"):
         worst_pixel_error([1.0], lambda cosine: 1.0)
+
+
+def test_a_lobe_that_is_none() -> None:
+    with pytest.raises(HarmonicFaceError, match="lobe: expected a function of cosines, got int 3"):
+        worst_pixel_error([1.0], 3)

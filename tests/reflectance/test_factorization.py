@@ -175,7 +175,7 @@ GOOD = light_field(some_light(2), isotropic_coefficients(Phong(20), 2))
     [
         (GOOD * np.nan, r"light field: expected finite coefficients \(lm, p, q\)"),
         (GOOD[:, :, 0], r"light field: expected finite coefficients \(lm, p, q\)"),
-        ("light", r"light field: expected finite coefficients \(lm, p, q\)"),
+        ("light", "light field: expected complex numbers, got str"),
         (GOOD[:, :, :2], r"light field: expected 3 modes q, got shape \(9, 3, 2\)"),
         (GOOD[:5], "coefficients: expected .order . 1..2 of them"),
         (0 * GOOD, "light field: expected one that is not dark, got zeros"),
@@ -203,3 +203,8 @@ def test_bad_input(field, message: str) -> None:
 def test_a_tolerance_that_is_no_fraction() -> None:
     with pytest.raises(HarmonicFaceError, match="tolerance: expected a number from 0 to 1, got 2"):
         factor_light_field(GOOD, tolerance=2)
+
+
+def test_a_ragged_light_field() -> None:
+    with pytest.raises(HarmonicFaceError, match="light field: expected complex numbers, got list"):
+        factor_light_field([[[1.0]], [[1.0, 2.0]]])

@@ -79,3 +79,8 @@ def test_series_beyond_the_memory() -> None:
         circle_angles(10**12)
     with pytest.raises(HarmonicFaceError, match=r"waves of order 1000000000000 at 2 angles: need .* GB of memory"):
         fourier_basis([0.0, 1.0], 10**12)
+
+
+def test_a_ragged_series() -> None:
+    with pytest.raises(HarmonicFaceError, match="coefficients: expected complex numbers, got list"):
+        rotate_flat([[1.0], [1.0, 2.0]], 0.0)

@@ -168,3 +168,16 @@ def test_other_bad_input() -> None:
         phong_gaussian(2, 2, "best")
     with pytest.raises(HarmonicFaceError, match="cosines: expected finite numbers"):
         phong_lobe([np.nan], 2)
+
+
+@pytest.mark.parametrize("cosine", [2.0, -1.1])
+def test_cosines_that_are_none(cosine: float) -> None:
+    with pytest.raises(HarmonicFaceError, match=f"cosines: expected numbers from -1 to 1, got {cosine:.6g}"):
+        phong_lobe([0.5, cosine], 50)
+
+
+def test_a_huge_shininess() -> None:
+    assert not phong_sensitivity(1e200, 5).any()  # l (l + 1) / 2 s^2 is below the smallest float
+    assert_allclose(phong_sensitivity(1e100, 3), np.array([0, 1, 3, 6]) * 1e-200, rtol=1e-12)
+    with pytest.raises(HarmonicFaceError, match="shininess: expected a finite number of at least 0, got infinity"):
+        phong_filter(10**400, 2)

@@ -116,3 +116,8 @@ def test_errors() -> None:
         sphere_kernel_rank(cosines, 45)
     with pytest.raises(HarmonicFaceError, match=r"kernel: expected values of shape \(6, 6\)"):
         sphere_kernel_rank(lambda s, t: np.ones(3), 1)
+
+
+def test_a_kernel_that_is_none() -> None:
+    with pytest.raises(HarmonicFaceError, match="kernel: expected a function of two directions, got int 3"):
+        sphere_kernel_rank(3, 2)
