@@ -20,6 +20,7 @@ LIKELY = 0.3  # strength of a mode above the order, over the ambient one: natura
 RANK = 1e-6  # of the largest singular value of the images; below, float32 normals differ by rounding alone
 CUT = 2.0  # of the ambient light: a direction with a larger error is filled by smoothness, not by the photograph
 TRUSTED = 0.5  # of the ambient light: coefficients and directions with a smaller error are recoverable
+BRIGHTEST = 1e30  # squares of brighter pixels, summed, leave the range of numbers
 ROWS = 1 << 15  # pixels at a time
 
 
@@ -66,14 +67,21 @@ def shown(order: int) -> NDArray[np.intp]:
     return np.flatnonzero(lambertian_weights(order))
 
 
+def above_zero(value: float, name: str) -> None:
+    """Refuse what is no number above 0; infinity is one."""
+    number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    if not (number and value > 0):
+        got = value if number else _validate.describe(value)
+        raise HarmonicFaceError(f"{name}: expected a number above 0, got {got}")
+
+
 def photographed(photo: ArrayLike, surface: Surface, mask: ArrayLike | None, saturation: float) -> Pixels:
     """Return the pixels that count: in both masks, and below saturation in every channel."""
     array = _validate.floats(photo, "photo")
     if array.shape not in (surface.shape, (*surface.shape, 3)):
         expected = f"shape {surface.shape} or {(*surface.shape, 3)}, as the surface"
         raise HarmonicFaceError(f"photo: expected {expected}, got {_validate.describe(array)}")
-    if isinstance(saturation, bool) or not saturation > 0:
-        raise HarmonicFaceError(f"saturation: expected a number above 0, got {saturation}")
+    above_zero(saturation, "saturation")
     inside = surface.mask if mask is None else surface.mask & _validate.mask(mask, "mask", surface.shape)
     intensities = _validate.finite(array[inside], "photo").astype(np.float64)
     intensities = intensities.reshape(len(intensities), 3 if array.ndim == 3 else 1)
@@ -82,6 +90,13 @@ def photographed(photo: ArrayLike, surface: Surface, mask: ArrayLike | None, sat
         raise HarmonicFaceError(
             f"photo: expected pixels in the masks below saturation={saturation:g}, got none of {len(usable)}"
         )
+    intensities = intensities[usable]
+    least, most = float(intensities.min()), float(intensities.max())
+    if most <= 0 and least < 0:  # noise around black is no fault
+        raise HarmonicFaceError(f"photo: expected some light, got values from {least:.4g} to {most:.4g}")
+    if max(-least, most) > BRIGHTEST:
+        expected = f"intensities of at most {BRIGHTEST:g}"
+        raise HarmonicFaceError(f"photo: expected {expected}, got values from {least:.4g} to {most:.4g}")
     coloured = intensities.shape[1] == 3 and surface.albedo.ndim == 3
     albedo = surface.pixel_albedo.T if coloured else surface.grey_albedo[None]
     chosen = inside[surface.mask]
@@ -90,7 +105,7 @@ def photographed(photo: ArrayLike, surface: Surface, mask: ArrayLike | None, sat
         raise HarmonicFaceError("surface: expected some albedo above 0 among the pixels used, got 0 everywhere")
     normals = surface.pixel_normals[chosen][usable].astype(np.float64)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return Pixels(normals, intensities[usable], albedos)
+    return Pixels(normals, intensities, albedos)
 
 
 def reduced(normals: Array, albedo: Array, intensities: Array, order: int) -> list[Factors]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import nnls
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.appearance._inverse_problem import Pixels, photographed
 from harmonicface.errors import HarmonicFaceError
@@ -47,14 +47,15 @@ def fibonacci_sphere(count: int) -> Array:
     Raises
     ------
     HarmonicFaceError
-        A count below 1.
+        A count below 1, or more than the memory holds.
 
     Examples
     --------
     >>> fibonacci_sphere(500).mean(axis=0).round(2) + 0.0
     array([0., 0., 0.])
     """
-    steps = np.arange(_validate.at_least(count, 1, "count")) + 0.5
+    _memory.require(8 * 8 * _validate.at_least(count, 1, "count"), f"{count} directions")
+    steps = np.arange(count) + 0.5
     z = 1 - 2 * steps / count
     angle = np.pi * (1 + np.sqrt(5)) * steps
     ring = np.sqrt(1 - z**2)
@@ -110,12 +111,13 @@ def nonnegative_light(
     0.5
     """
     towards = (
-        fibonacci_sphere(int(directions))
+        fibonacci_sphere(directions if isinstance(directions, bool) else int(directions))
         if isinstance(directions, (int, np.integer))
         else _validate.directions(directions, "directions").astype(np.float64)
     )
     if towards.ndim != 2 or len(towards) == 0:
         raise HarmonicFaceError(f"directions: expected shape (n, 3) or a number of them, got shape {towards.shape}")
+    _memory.require(8 * 2 * len(towards) ** 2, f"lamps in {len(towards)} directions")
     pixels = photographed(photo, surface, mask, saturation)
     strengths, squares = nonnegative_strengths(pixels, towards)
     shines = np.flatnonzero(strengths.any(axis=1))

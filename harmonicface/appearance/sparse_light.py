@@ -104,7 +104,8 @@ def sparse_light(
     """
     if count is not None and _validate.at_least(count, 1, "count") > MOST:
         raise HarmonicFaceError(f"count: expected 1, 2 or 3 lamps, got {count}")
-    if noise is not None and not (np.ndim(noise) == 0 and np.isfinite(noise) and noise >= 0):
+    number = isinstance(noise, (int, float, np.integer, np.floating)) and not isinstance(noise, bool)
+    if noise is not None and not (number and np.isfinite(noise) and noise >= 0):
         raise HarmonicFaceError(f"noise: expected a finite number of at least 0, got {_validate.describe(noise)}")
     pixels = photographed(photo, surface, mask, saturation)
     scaled, image = _one_channel(pixels)

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
+from harmonicface.appearance._inverse_problem import above_zero
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.harmonics.scattered import HarmonicFit, fit
@@ -146,11 +147,10 @@ def combine_sphere_views(
     """
     turns = _checked_rotations(rotations, len(photos))
     height = _validate.at_least(rows, 2, "rows")
-    if isinstance(highlight, bool) or not highlight > 0:
-        raise HarmonicFaceError(f"highlight: expected a number above 0, got {highlight}")
-    if isinstance(saturation, bool) or not saturation > 0:
-        raise HarmonicFaceError(f"saturation: expected a number above 0, got {saturation}")
+    above_zero(highlight, "highlight")
+    above_zero(saturation, "saturation")
     cells = 2 * height**2
+    _memory.require(8 * cells * (4 * len(photos) + 3), f"{len(photos)} photos on a grid of {height} rows")
     sums, counts, normals = np.zeros((len(photos), cells)), np.zeros((len(photos), cells)), np.zeros((cells, 3))
     for view, (photo, turn) in enumerate(zip(photos, turns, strict=True)):
         towards, values = _ball(photo, saturation)
@@ -219,7 +219,7 @@ def relative_errors(found: ArrayLike, real: ArrayLike) -> Array:
     Raises
     ------
     HarmonicFaceError
-        Coefficients of unlike number.
+        Coefficients of unlike number, or of a number that is no square.
 
     Examples
     --------
@@ -230,6 +230,8 @@ def relative_errors(found: ArrayLike, real: ArrayLike) -> Array:
     if first.shape != second.shape or first.ndim != 1:
         raise HarmonicFaceError(f"coefficients: expected two vectors of one length, got {first.shape}, {second.shape}")
     order = int(np.sqrt(len(first))) - 1
+    if order < 0 or len(first) != (order + 1) ** 2:
+        raise HarmonicFaceError(f"coefficients: expected (order + 1)^2 of them, as 1, 4, 9, got {len(first)}")
     low = degrees(order) <= 2
     scale = (first[low] @ second[low]) / (first[low] @ first[low]) if first[low].any() else 1.0
     errors = []

@@ -304,13 +304,22 @@ def test_bad_input() -> None:
     for ridge in (-1.0, np.inf, "more", None):
         with pytest.raises(hf.HarmonicFaceError, match="ridge: expected 'decay' or a finite number"):
             estimate_light(photo, surface, ridge=ridge)  # type: ignore[arg-type]
-    for saturation in (0.0, np.nan, True):
+    for saturation in (0.0, np.nan, True, "a"):
         with pytest.raises(hf.HarmonicFaceError, match="saturation: expected a number above 0"):
-            estimate_light(photo, surface, saturation=saturation)
+            estimate_light(photo, surface, saturation=saturation)  # type: ignore[arg-type]
     with pytest.raises(hf.HarmonicFaceError, match="mask: expected at least one pixel"):
         estimate_light(photo, surface, mask=np.zeros((8, 8), bool))
     with pytest.raises(hf.HarmonicFaceError, match="mask: expected at least one pixel"):
         estimate_light(photo, hf.Surface(surface.normals, photo, mask=np.eye(8) > 0), mask=np.eye(8)[::-1] < 0)
+    for dark in (-photo, -np.tri(8)):
+        with pytest.raises(hf.HarmonicFaceError, match="photo: expected some light, got values from -1 to"):
+            estimate_light(dark, surface)
+    assert_allclose(estimate_light(1e30 * photo, surface).light.irradiance([0.0, 0.0, 1.0]), 1e30)
+    for huge in (1e31, 1e200, 1e300):
+        with pytest.raises(
+            hf.HarmonicFaceError, match=r"photo: expected intensities of at most 1e\+30, got values from"
+        ):
+            estimate_light(huge * photo, surface)
     with pytest.raises(hf.HarmonicFaceError, match="surface: expected some albedo above 0"):
         estimate_light(photo, hf.Surface(surface.normals, 0 * photo))
     with pytest.raises(hf.HarmonicFaceError, match="photo: expected pixels in the masks"):

@@ -90,3 +90,12 @@ def test_bad_input() -> None:
         nonnegative_light(np.ones((8, 8)), surface, 0)
     with pytest.raises(hf.HarmonicFaceError, match="photo: expected shape"):
         nonnegative_light(np.ones((8, 9)), surface)
+    for photo, message in ((1e300, "intensities of at most 1e"), (-1.0, "some light, got values from -1 to -1")):
+        with pytest.raises(hf.HarmonicFaceError, match=f"photo: expected {message}"):
+            nonnegative_light(np.full((8, 8), photo), surface)
+    with pytest.raises(hf.HarmonicFaceError, match="count: expected an integer of at least 1, got bool True"):
+        nonnegative_light(np.ones((8, 8)), surface, True)
+    with pytest.raises(hf.HarmonicFaceError, match=r"1000000000000 directions: need 6.4e.04 GB of memory"):
+        fibonacci_sphere(10**12)
+    with pytest.raises(hf.HarmonicFaceError, match=r"lamps in 1000000 directions: need 1.6e.04 GB of memory"):
+        nonnegative_light(np.ones((8, 8)), surface, 10**6)

@@ -116,9 +116,12 @@ def test_bad_input() -> None:
         sparse_light(photo, surface, 4)
     with pytest.raises(hf.HarmonicFaceError, match="count: expected an integer"):
         sparse_light(photo, surface, 0)
-    for noise in (-1.0, np.ones(3)):
+    for noise in (-1.0, np.ones(3), "a", True):
         with pytest.raises(hf.HarmonicFaceError, match="noise: expected a finite number of at least 0"):
             sparse_light(photo, surface, noise=noise)  # type: ignore[arg-type]
     for dark in (0 * photo, -photo):
-        with pytest.raises(hf.HarmonicFaceError, match="photo: expected light that some lamp explains"):
+        with pytest.raises(
+            hf.HarmonicFaceError,
+            match=r"photo: expected (light that some lamp explains|some light)",
+        ):
             sparse_light(dark, surface)

@@ -230,6 +230,14 @@ def test_bad_input() -> None:
         combine_sphere_views([photo], [np.eye(3)], 1)
     with pytest.raises(hf.HarmonicFaceError, match="coefficients: expected two vectors of one length"):
         relative_errors(np.ones(4), np.ones(9))
+    for number in (0, 5):
+        with pytest.raises(hf.HarmonicFaceError, match=f"coefficients: expected .*got {number}"):
+            relative_errors(np.ones(number), np.ones(number))
+    for name in ("highlight", "saturation"):
+        with pytest.raises(hf.HarmonicFaceError, match=f"{name}: expected a number above 0, got str 'a'"):
+            combine_sphere_views([photo], [np.eye(3)], **{name: "a"})  # type: ignore[arg-type]
+    with pytest.raises(hf.HarmonicFaceError, match=r"1 photos on a grid of 10000000 rows: need .* GB of memory"):
+        combine_sphere_views([photo], [np.eye(3)], 10**7)
     few = combine_sphere_views([photo], [np.eye(3)], 2)
     with pytest.raises(hf.HarmonicFaceError):
         few.coefficients(4)
