@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import os
-import zipfile
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,8 +17,14 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.colour import luminance
 from harmonicface.io.files import replacing
+from harmonicface.surfaces._archive import read_archive
+from harmonicface.surfaces.transport import Transport
+
+if TYPE_CHECKING:
+    from harmonicface.surfaces.scene import Scene
 
 ARRAYS = {"normals", "albedo", "mask", "depth", "pixel_size"}  # of a saved Surface; depth may be missing
+TRANSPORT = re.compile(r"transport_(\d+)")  # of so many bounces
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -37,6 +43,12 @@ class Surface:
         (h, w) heights in world units, larger nearer the camera; outside the mask they become NaN. Optional.
     pixel_size
         World units a pixel.
+    scene
+        The mesh that it was seen from, which casts shadows from beyond the picture too; it is not saved. Without one,
+        what casts shadows is the depth.
+    transports
+        What is known of the way of light to the pixels, by bounces. Functions that compute a `Transport` add the
+        highest order so far here, and `save` keeps it.
 
     Raises
     ------
@@ -56,6 +68,8 @@ class Surface:
     mask: NDArray[np.bool_]
     depth: Floats | None
     pixel_size: float
+    scene: Scene | None
+    transports: dict[int, Transport]
 
     def __init__(
         self,
@@ -64,6 +78,9 @@ class Surface:
         mask: ArrayLike | None = None,
         depth: ArrayLike | None = None,
         pixel_size: float = 1.0,
+        *,
+        scene: Scene | None = None,
+        transports: Iterable[Transport] = (),
     ) -> None:
         normals = _validate.floats(normals, "normals")
         if normals.ndim != 3 or normals.shape[2] != 3 or normals.size == 0:
@@ -82,6 +99,13 @@ class Surface:
         object.__setattr__(self, "mask", inside.copy())
         object.__setattr__(self, "depth", None if depth is None else _checked_depth(depth, inside))
         object.__setattr__(self, "pixel_size", _validate.positive(pixel_size, "pixel_size"))
+        object.__setattr__(self, "scene", scene)
+        object.__setattr__(self, "transports", {known.bounces: known for known in transports})
+        for known in self.transports.values():
+            if known.values.shape[1] != inside.sum():
+                raise HarmonicFaceError(
+                    f"transport: expected {inside.sum()} pixels as in the mask, got {known.values.shape[1]}"
+                )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -105,7 +129,9 @@ class Surface:
         return albedo if albedo.ndim == 1 else luminance(albedo)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the Surface to an .npz file, bit for bit; the file is replaced whole or not at all.
+        """Write the Surface and its transports to an .npz file, bit for bit; the file is replaced whole or not at all.
+
+        The scene stays behind: what is to be kept of its shadows has to be in the transports.
 
         Raises
         ------
@@ -117,6 +143,7 @@ class Surface:
         arrays = {"normals": self.normals, "albedo": self.albedo, "mask": self.mask}
         if self.depth is not None:
             arrays["depth"] = self.depth
+        arrays |= {f"transport_{bounces}": known.values for bounces, known in self.transports.items()}
         with replacing(path) as temporary:
             np.savez(temporary, **arrays, pixel_size=np.float64(self.pixel_size))  # type: ignore[arg-type]
 
@@ -129,8 +156,9 @@ class Surface:
         HarmonicFaceError
             The file is missing, cut short, or not a saved Surface.
         """
-        found = _read_archive(Path(path))
-        missing, unknown = ARRAYS - {"depth"} - set(found), set(found) - ARRAYS
+        found = read_archive(Path(path))
+        bounces = {name: int(match[1]) for name in found if (match := TRANSPORT.fullmatch(name))}
+        missing, unknown = ARRAYS - {"depth"} - set(found), set(found) - ARRAYS - set(bounces)
         if missing or unknown:
             got = f"without {sorted(missing)}" if missing else f"with {sorted(unknown)}"
             raise HarmonicFaceError(f"{path}: expected a saved Surface, got a file {got}")
@@ -138,25 +166,11 @@ class Surface:
         if pixel_size.shape != ():
             raise HarmonicFaceError(f"{path}: expected one pixel_size, got {_validate.describe(pixel_size)}")
         try:
-            return cls(found["normals"], found["albedo"], found["mask"], found.get("depth"), pixel_size.item())
+            transports = [Transport(found[name], number) for name, number in bounces.items()]
+            arrays = (found["normals"], found["albedo"], found["mask"], found.get("depth"))
+            return cls(*arrays, pixel_size.item(), transports=transports)
         except HarmonicFaceError as error:
             raise HarmonicFaceError(f"{path}: {error}") from None
-
-
-def _read_archive(file: Path) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an .npz file, each with its checksum verified; nothing is unpickled."""
-    found = {}
-    try:
-        with file.open("rb") as stream, zipfile.ZipFile(stream) as archive:
-            for name in archive.namelist():
-                content = io.BytesIO(archive.read(name))
-                found[name.removesuffix(".npy")] = np.lib.format.read_array(content, allow_pickle=False)
-    except FileNotFoundError:
-        raise HarmonicFaceError(f"expected a saved Surface, got no file {file}") from None
-    except Exception as error:  # of a broken archive zipfile and numpy raise nearly anything
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise HarmonicFaceError(f"{file}: expected a saved Surface, got a file that is none: {reason}") from None
-    return found
 
 
 def _outside(array: Floats, inside: NDArray[np.bool_], fill: float) -> Floats:
