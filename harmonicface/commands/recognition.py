@@ -1,0 +1,96 @@
+"""Commands that keep a gallery of people and say whose face a photograph shows."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from harmonicface.commands.options import AsJson, FlipTexture, FrameOption, Rotation, Size, Texture, Transfer, view
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.gallery import Gallery
+from harmonicface.gallery.match import Match
+from harmonicface.gallery.sources import read_mask, read_source
+from harmonicface.io.files import alone_in
+from harmonicface.io.images import read_image
+
+
+def enroll(
+    gallery: Annotated[Path, typer.Argument(help="The gallery's file; made if it is not there.", show_default=False)],
+    name: Annotated[str, typer.Argument(help="Who it is.", show_default=False)],
+    source: Annotated[
+        list[Path],
+        typer.Argument(
+            help="A mesh, a saved Surface, or at least three photographs under different lights.", show_default=False
+        ),
+    ],
+    mask: Annotated[
+        Path | None, typer.Option(help="For a new gallery: a picture, white where photographs are compared.")
+    ] = None,
+    transfer: Transfer = None,
+    size: Size = None,
+    texture: Texture = None,
+    flip_texture: FlipTexture = False,
+    rotation: Rotation = None,
+    frame: FrameOption = None,
+) -> None:
+    """Add a person to a gallery."""
+    with alone_in(gallery.parent):
+        people = _gallery(gallery, mask)
+        people.enroll(
+            name, read_source(source, view(size, texture, flip_texture, rotation, frame), transfer, usual_size=64)
+        )
+        people.save(gallery)
+    typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
+
+
+def _gallery(path: Path, mask: Path | None) -> Gallery:
+    """Open a gallery, or begin one."""
+    try:
+        begun = path.exists()
+    except (OSError, ValueError):  # a name that no file can have: opening it says so
+        begun = True
+    if begun and mask is not None:
+        raise HarmonicFaceError(f"mask: expected it with a new gallery only, got {path}, which has its own")
+    if begun:
+        return Gallery.open(path)
+    return Gallery(mask=None if mask is None else read_mask(mask))
+
+
+def match(
+    gallery: Annotated[Path, typer.Argument(help="The gallery's file.", show_default=False)],
+    photo: Annotated[list[Path], typer.Argument(help="Photographs of the gallery's size.", show_default=False)],
+    top: Annotated[int, typer.Option(help="How many candidates to name.")] = 5,
+    transfer: Transfer = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say whose face each photograph shows."""
+    people = Gallery.open(gallery)
+    answers = []
+    for path in photo:
+        picture = read_image(path, transfer)
+        try:
+            found = people.match(picture, top)
+        except HarmonicFaceError as error:
+            raise HarmonicFaceError(f"{path}: {error}") from None
+        answers.append(_as_dict(path, found))
+        if not as_json:
+            typer.echo(f"{path}: {found.name or 'unknown'} (distance {found.distance:.4f}, margin {found.margin:.2f})")
+            for candidate in found.candidates:
+                typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
+    if as_json:
+        typer.echo(json.dumps({"gallery": str(gallery), "matches": answers}))
+
+
+def _as_dict(path: Path, found: Match) -> dict[str, object]:
+    return {
+        "photo": str(path),
+        "name": found.name,
+        "distance": found.distance,
+        "margin": found.margin if np.isfinite(found.margin) else None,
+        "light": None if found.light is None else found.light.values.tolist(),
+        "candidates": [{"name": candidate.name, "distance": candidate.distance} for candidate in found.candidates],
+    }
