@@ -1,0 +1,60 @@
+"""Transfer: how light gets to the pixels of a Surface, by the best way that the Surface allows."""
+
+from __future__ import annotations
+
+from harmonicface import _validate
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics.indexing import count
+from harmonicface.surfaces.horizon_transport import horizon_transport
+from harmonicface.surfaces.surface import Surface
+from harmonicface.surfaces.transport import Transport
+
+
+def transport(surface: Surface, order: int = 4, bounces: int = 0) -> Transport:
+    """Return how much of each harmonic light reaches the pixels of a Surface past what casts shadows.
+
+    A Surface that was seen from a mesh is shadowed by all of the mesh, one with depth alone by its depth. What has been
+    computed is kept in `surface.transports` (and by `surface.save`), and not computed again for a lower order.
+
+    Parameters
+    ----------
+    surface
+        A Surface with depth or with a scene.
+    order
+        The highest degree l, at least 0.
+    bounces
+        How often light may be thrown back from surface to surface before it arrives, at least 0.
+
+    Returns
+    -------
+    Transport
+        Its values are (k, p) with k = (order + 1)^2 and p masked pixels in row-major order; (k, p, 3) where
+        coloured skin throws light back.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A Surface with neither depth nor scene, a negative order or number of bounces.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wall = Surface(np.tile([0.0, 0.0, 1.0], (2, 2, 1)), np.ones((2, 2)), depth=np.zeros((2, 2)))
+    >>> transport(wall, order=1).values[:, 0].round(4) + 0.0
+    array([0.8862, 0.    , 1.0233, 0.    ])
+    """
+    rows = count(order)
+    bounces = _validate.at_least(bounces, 0, "bounces")
+    known = surface.transports.get(bounces)
+    if known is None or known.order < order:
+        known = surface.transports[bounces] = _computed(surface, order, bounces)
+    return known if known.order == order else Transport(known.values[:rows], bounces)
+
+
+def _computed(surface: Surface, order: int, bounces: int) -> Transport:
+    """Compute the transport by the way that the Surface allows."""
+    if surface.scene is None and surface.depth is None:
+        raise HarmonicFaceError(
+            "surface: expected depth, which casts the shadows, got a Surface with neither depth nor scene"
+        )
+    return Transport(horizon_transport(surface, order), bounces)
