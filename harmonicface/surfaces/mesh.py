@@ -1,4 +1,4 @@
-"""From a mesh to a Surface: what an orthographic camera sees of it."""
+"""From a mesh to a Surface: what a camera sees of it."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.meshes import Mesh
+from harmonicface.surfaces.perspective import Camera, PerspectiveView
 from harmonicface.surfaces.samples import sample
 from harmonicface.surfaces.scene import Scene
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.view import View
 
 SUPERSAMPLE = 4
+FINEST_DEPTH = 1e-3  # of a pixel: steps in depth that must not get lost
 FINEST = 1024  # pixels a side of the raster beyond which pixels are not divided any further
 
 
@@ -25,15 +27,17 @@ def surface_from_mesh(
     *,
     rotation: Sequence[float] = (0.0, 0.0, 0.0),
     frame: Sequence[float] | None = None,
+    intrinsics: Sequence[float] | None = None,
+    distance: float | None = None,
     supersample: int | None = None,
 ) -> Surface:
-    """Return what an orthographic camera sees of a mesh.
+    """Return what a camera sees of a mesh: an orthographic one, or with `intrinsics` a pinhole.
 
     Each pixel is divided into `supersample` x `supersample`; it is inside the mask if at least half of them see the
     mesh, and its albedo, depth and normal (scaled to unit length) are their means. A texture is averaged to the density
-    of these finer pixels first. Triangles are seen from both sides, and a normal always faces the camera: seen from
-    behind it is turned round; where smooth shading bends it out of sight on a triangle that is seen, it is laid down
-    sideways (z = 0); where a mesh has none, the triangle's own takes its place.
+    of these finer pixels first. Triangles are seen from both sides, whichever way they wind, and a normal always faces
+    the camera: seen from behind it is turned round; where smooth shading bends it out of sight on a triangle that is
+    seen, it is laid down sideways; where a mesh has none, the triangle's own takes its place (see `sample`).
 
     Parameters
     ----------
@@ -44,19 +48,27 @@ def surface_from_mesh(
     rotation
         (yaw, pitch, roll) in degrees, see `rotation_matrix`.
     frame
-        (x0, y0, x1, y1): what the picture shows, in world units after the rotation; by default all of the mesh.
+        (x0, y0, x1, y1): what the picture shows, in world units after the rotation; by default all of the mesh. Not
+        together with intrinsics.
+    intrinsics
+        (fx, fy, cx, cy) of a pinhole camera in pixels of this size, see `PerspectiveView`.
+    distance
+        World units from the pinhole to the middle of the mesh's bounding box after the rotation; by default the least
+        at which the whole mesh is in the picture. Only together with intrinsics.
     supersample
         Divisions of a pixel along each side; by default 4, or fewer where the finer raster would exceed 1024 pixels.
 
     Returns
     -------
     Surface of float32 arrays, with depth in world units and the mesh as its `scene`. Its albedo is (h, w), or
-    (h, w, 3) if the mesh has colour.
+    (h, w, 3) if the mesh has colour. Far from the origin, where float32 could not tell a thousandth of a pixel apart,
+    depth is float64. Before a pinhole, normals and depth are in the camera's axes (depth is z, below 0, not the length
+    of the ray), and the pixel size is that at the mean depth.
 
     Raises
     ------
     HarmonicFaceError
-        View arguments of another form, or a frame in which nothing is seen.
+        View arguments of another form, a frame together with intrinsics, or a view in which nothing is seen.
 
     Examples
     --------
@@ -69,10 +81,9 @@ def surface_from_mesh(
     >>> seen.albedo, seen.depth, seen.pixel_size
     (array([[0.5, 0.5], [0.5, 0.5]], dtype=float32), array([[2., 2.], [2., 2.]], dtype=float32), 0.5)
     """
-    view = View.fit(mesh.vertices[np.unique(mesh.faces)], size, rotation=rotation, frame=frame)
+    view = _view(mesh, size, rotation, frame, intrinsics, distance)
     divisions = _divisions(supersample, view.shape)
-    fine = View(view.rotation, view.frame, (view.shape[0] * divisions, view.shape[1] * divisions))
-    samples = sample(mesh, fine)
+    samples = sample(mesh, view.finer(divisions))
     seen = samples.mask
     counts = _block_sums(seen.astype(np.float64), divisions)
     inside = 2 * counts >= divisions**2
@@ -80,19 +91,51 @@ def surface_from_mesh(
     length = np.linalg.norm(normals, axis=2)
     inside &= length > 1e-6 * counts  # opposite sideways normals within one pixel leave no direction
     if not inside.any():
-        raise HarmonicFaceError(f"frame: expected a part of the mesh in view, got {view.frame} which shows nothing")
+        raise HarmonicFaceError(_nothing_seen(view))
     albedo = _block_sums(samples.albedo, divisions)
     depth = _block_sums(np.where(seen, samples.raster.depth, 0.0), divisions)
     normals[inside] /= length[inside, None]
     albedo[inside] /= counts[inside].reshape(-1, *[1] * (albedo.ndim - 2))
     depth[inside] /= counts[inside]
+    pixel_size = float(view.pixel_size_at(depth[inside].mean()))
+    step = np.spacing(np.abs(depth[inside]).max().astype(np.float32))
     return Surface(
         normals.astype(np.float32),
         albedo.astype(np.float32),
         inside,
-        depth.astype(np.float32),
-        view.pixel_size,
+        depth if step > FINEST_DEPTH * pixel_size else depth.astype(np.float32),
+        pixel_size,
         scene=Scene(mesh, view),
+    )
+
+
+def _view(
+    mesh: Mesh,
+    size: int | tuple[int, int],
+    rotation: Sequence[float],
+    frame: Sequence[float] | None,
+    intrinsics: Sequence[float] | None,
+    distance: float | None,
+) -> Camera:
+    """Return the camera that the arguments describe."""
+    used = np.zeros(len(mesh.vertices), dtype=bool)
+    used[mesh.faces] = True
+    points = mesh.vertices[used]
+    if intrinsics is None:
+        if distance is not None:
+            raise HarmonicFaceError(f"distance: expected intrinsics beside it, got {distance!r} without any")
+        return View.fit(points, size, rotation=rotation, frame=frame)
+    if frame is not None:
+        raise HarmonicFaceError(f"frame: expected none beside intrinsics, got {tuple(frame)!r}")
+    return PerspectiveView.fit(points, size, rotation=rotation, intrinsics=intrinsics, distance=distance)
+
+
+def _nothing_seen(view: Camera) -> str:
+    if isinstance(view, View):
+        return f"frame: expected a part of the mesh in view, got {view.frame} which shows nothing"
+    return (
+        f"intrinsics: expected a part of the mesh in view, got {view.intrinsics} from a distance of"
+        f" {view.distance:.6g}, which shows nothing"
     )
 
 

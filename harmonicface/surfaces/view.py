@@ -108,6 +108,22 @@ class View:
         """Return directions (or points) in the axes of the camera, still in world units, (..., 3)."""
         return np.asarray(_validate.vectors(vectors, "vectors") @ self.rotation.T)
 
+    def place(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return points in the axes of the camera, (..., 3); its z is the depth of a Surface."""
+        return self.turn(points)
+
+    def toward(self) -> NDArray[np.float64]:
+        """Return what leads from a point that a pixel sees to the camera, (h, w, 3), with z = 1: here (0, 0, 1)."""
+        return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*self.shape, 3))
+
+    def pixel_size_at(self, depth: ArrayLike) -> Floats:
+        """Return world units a pixel at depths of any shape: here the same everywhere."""
+        return np.full(np.shape(depth), self.pixel_size)
+
+    def finer(self, divisions: int) -> View:
+        """Return the view that shows the same with each pixel divided along both sides."""
+        return View(self.rotation, self.frame, (self.shape[0] * divisions, self.shape[1] * divisions))
+
 
 def rotation_matrix(rotation: Sequence[float]) -> NDArray[np.float64]:
     """Return the matrix of (yaw, pitch, roll) in degrees, each by the right-hand rule about the camera's axes.

@@ -129,17 +129,40 @@ def test_the_inside_of_a_bowl_is_seen_from_behind(ball):
     np.testing.assert_allclose(surface.normals[..., 0][core], -x[core], atol=0.01)
 
 
-@pytest.mark.parametrize(
-    ("normal", "expected"),
-    [
-        ((0.6, 0, -0.8), (1, 0, 0)),  # bent out of sight: laid down sideways
-        ((0, 0, -1), (0, 0, 1)),  # straight away: the triangle's own
-        ((0, 0, 0), (0, 0, 1)),  # none: the triangle's own
-    ],
-)
-def test_a_triangle_that_is_seen_never_looks_away(normal, expected):
+def test_shading_bent_out_of_sight_is_laid_down_sideways():
+    bent = np.array([np.sin(np.radians(20)), 0, np.cos(np.radians(20))])
+    surface = surface_from_mesh(
+        a_mesh(SQUARE, TWO, np.tile(bent, (4, 1))), 4, rotation=(80, 0, 0), frame=(0, 0, 0.17, 0.17)
+    )
+    count = surface.mask.sum()
+    assert count == 16
+    np.testing.assert_allclose(surface.pixel_normals, np.tile([1, 0, 0], (count, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize("normal", [(0, 0, -1), (0, 0, 0)])  # straight away, and none at all
+def test_a_triangle_whose_normals_say_nothing_has_its_own(normal):
     surface = surface_from_mesh(a_mesh(SQUARE, TWO, np.tile(normal, (4, 1))), 4)
-    np.testing.assert_allclose(surface.pixel_normals, np.tile(expected, (16, 1)), atol=1e-6)
+    np.testing.assert_allclose(surface.pixel_normals, np.tile([0, 0, 1], (16, 1)), atol=1e-6)
+
+
+def test_normals_that_cancel_at_the_corners_leave_the_triangles_own():
+    corners = [[0.8, 0, -0.6], [-0.8, 0, -0.6], [0, 0, 1.2], [0, 0, 1]]  # to the first triangle they sum to nothing
+    surface = surface_from_mesh(a_mesh(SQUARE, TWO, corners), 64, supersample=1)
+    assert np.abs(np.linalg.norm(surface.pixel_normals, axis=1) - 1).max() < 1e-6
+    assert surface.pixel_normals[:, 2].min() >= 0
+
+
+@pytest.mark.parametrize("rotation", [(0, 0, 0), (180, 0, 0), (40, -30, 10)])
+def test_winding_does_not_matter_where_there_are_normals(ball, rotation):
+    """Whole, inside out, and at random: a ball open at the front shows its outer and its inner side."""
+    open_ball = dataclasses.replace(ball, faces=ball.faces[ball.vertices[ball.faces].mean(axis=1)[:, 2] < 0.7])
+    at_random = np.random.default_rng(0).random(len(open_ball.faces)) < 0.5
+    expected = surface_from_mesh(open_ball, 32, rotation=rotation)
+    for turned in (np.ones_like(at_random), at_random):
+        faces = np.where(turned[:, None], open_ball.faces[:, ::-1], open_ball.faces)
+        seen = surface_from_mesh(dataclasses.replace(open_ball, faces=faces), 32, rotation=rotation)
+        np.testing.assert_array_equal(seen.mask, expected.mask)
+        np.testing.assert_allclose(seen.normals, expected.normals, atol=1e-6)
 
 
 def test_a_pixel_whose_normals_cancel_is_outside():
