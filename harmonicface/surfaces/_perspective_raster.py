@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
+from harmonicface.surfaces._triangles import Integers
 from harmonicface.surfaces.perspective import PerspectiveView
-from harmonicface.surfaces.raster import Integers, Raster, rasterize
+from harmonicface.surfaces.raster import Raster, rasterize
 
 NEAR = 1e-4  # of the farthest vertex's distance along the axis: what is nearer the camera is not seen
 

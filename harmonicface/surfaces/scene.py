@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.meshes import Mesh
+from harmonicface.surfaces.perspective import Camera, PerspectiveView
 from harmonicface.surfaces.rays import RayCaster
 from harmonicface.surfaces.samples import sample
-from harmonicface.surfaces.view import View
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -74,12 +74,12 @@ class Scene:
     """
 
     mesh: Mesh
-    view: View
+    view: Camera
 
     @cached_property
     def points(self) -> Doubles:
         """The vertices in the axes of the camera, in world units, (n, 3)."""
-        return self.view.turn(self.mesh.vertices)
+        return self.view.place(self.mesh.vertices)
 
     @cached_property
     def caster(self) -> RayCaster:
@@ -133,8 +133,7 @@ class Scene:
 
     def _seen(self, mask: NDArray[np.bool_], parts: int) -> FineSamples:
         """Return the samples of the masked pixels in the order of the pixels; slots are still empty."""
-        fine = replace(self.view, shape=(mask.shape[0] * parts, mask.shape[1] * parts))
-        samples = sample(self.mesh, fine)
+        samples = sample(self.mesh, self.view.finer(parts))
         number = np.cumsum(mask).reshape(mask.shape) - 1
         seen = samples.mask & np.repeat(np.repeat(mask, parts, axis=0), parts, axis=1)
         rows, columns = np.nonzero(seen)
@@ -144,15 +143,18 @@ class Scene:
         triangle = samples.raster.triangle[rows, columns]
         weights = samples.raster.weights[rows, columns]
         positions = np.einsum("nk,nki->ni", weights, self.points[self.mesh.faces[triangle]])
-        side = np.where(self._seen_from_behind(fine), -1.0, 1.0)[triangle]
+        side = np.where(self._seen_from_behind(), -1.0, 1.0)[triangle]
         geometric = self.triangle_normals[triangle] * side[:, None]
         empty = np.zeros((int(mask.sum()), 0), dtype=np.int64)
         normals, albedo = samples.normals[rows, columns], samples.albedo[rows, columns]
         return FineSamples(positions, geometric, normals, albedo, pixel[order], empty)
 
-    def _seen_from_behind(self, view: View) -> NDArray[np.bool_]:
+    def _seen_from_behind(self) -> NDArray[np.bool_]:
         """Tell which triangles turn their back on the camera, (m,)."""
-        corners = view.project(self.mesh.vertices)[self.mesh.faces]
+        if isinstance(self.view, PerspectiveView):  # the camera is the origin
+            corner = self.points[self.mesh.faces[:, 0]]
+            return np.asarray(np.einsum("mi,mi->m", self.triangle_normals, corner) > 0)
+        corners = self.view.project(self.mesh.vertices)[self.mesh.faces]
         a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0)  # rows point down
 
