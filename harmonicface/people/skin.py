@@ -17,7 +17,9 @@ Array = NDArray[np.float64]
 IRIS_RADIUS = 5.9  # mm
 PUPIL_RADIUS = 2.0
 SCLERA = 0.62  # reflectance of the white of the eye
+SMALLEST_ALBEDO = 0.01
 LARGEST_ALBEDO = 0.95
+MOUTH_HALF_WIDTH = 25.5  # mm from the midline to the corner of the lips
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,10 @@ class SkinPixels:
         (p,) true where a pixel sees an eyeball.
     blur
         mm, about half a pixel: nothing finer is resolved.
+    front
+        (p,) 1 on the face, down to 0 on ears, neck and the back of the head, which lack a face's features.
+    scalp
+        (p,) share of the skin that hair of the head covers besides fringe and temples.
     """
 
     x: Array
@@ -42,21 +48,63 @@ class SkinPixels:
     eye_y: Array
     on_eye: NDArray[np.bool_]
     blur: float
+    front: Array | float = 1.0
+    scalp: Array | float = 0.0
+
+    def field(self, knots: NDArray[np.float32], spacing: float) -> Array:
+        """Return the random field through knots at the pixels, (p,)."""
+        return field_at(knots, self.x, self.y, spacing, spacing)
+
+
+@dataclass(frozen=True, eq=False)
+class Paint:
+    """Reflectance at pixels and what it is of, for those who give the parts their colours.
+
+    Parameters
+    ----------
+    albedo
+        (p,) linear reflectance, 0.01 to 0.95.
+    lips, hair, white, iris
+        (p,) shares of the lips' skin, of hair, of the white of the eye, and of the iris, 0 to 1; the rest is skin.
+    """
+
+    albedo: Array
+    lips: Array
+    hair: Array
+    white: Array
+    iris: Array
 
 
 def albedo(complexion: Complexion, pixels: SkinPixels) -> NDArray[np.float32]:
     """Return the linear reflectance at each pixel, (p,), 0 to 1."""
+    return paint(complexion, pixels).albedo.astype(np.float32)
+
+
+def paint(complexion: Complexion, pixels: SkinPixels) -> Paint:
+    """Return the linear reflectance at each pixel, and the shares of what it is of."""
     x, y, blur = pixels.x, pixels.y, pixels.blur
-    skin = complexion.tone * np.exp(_tint(complexion, x, y, blur))
-    lips = _lips(x, y, blur)
+    skin = complexion.tone * np.exp(_tint(complexion, pixels))
+    lips = pixels.front * _lips(x, y, blur)
     skin *= 1 + lips * (complexion.lips - 1)
     cover, strands = hair_cover(complexion, x, y, blur)
-    skin += cover * (1 - 0.9 * lips) * (complexion.hair * strands - skin)
-    skin *= _creases(complexion, x, y, blur)
+    cover = np.maximum(pixels.front * cover * (1 - 0.9 * lips), pixels.scalp)
+    skin += cover * (complexion.hair * strands - skin)
+    skin *= _creases(complexion, x, y, blur) ** pixels.front
+    white, iris = np.zeros((2, len(x)))
     if pixels.on_eye.any():
         eye = pixels.on_eye
-        skin[eye] = _eyeball(complexion, pixels.eye_x[eye], pixels.eye_y[eye], x[eye], y[eye], blur)
-    return np.clip(skin, 0.01, LARGEST_ALBEDO).astype(np.float32)
+        places = (values[eye] for values in (pixels.eye_x, pixels.eye_y, x, y))
+        skin[eye], white[eye], iris[eye] = _eyeball(complexion, *places, blur)
+        lips[eye] = cover[eye] = 0
+    return Paint(np.clip(skin, SMALLEST_ALBEDO, LARGEST_ALBEDO), lips, cover, white, iris)
+
+
+def lip_margins(x: Array) -> tuple[Array, Array, Array]:
+    """Return the heights of the line between the lips, of the upper and of the lower lip's border at x."""
+    across = np.clip(np.abs(x) / MOUTH_HALF_WIDTH, 0, 1)
+    line = -69.8 - 1.6 * across**2
+    bow = 1.6 * np.exp(-0.5 * (x / 2.6) ** 2)
+    return line, line + 9.2 * (1 - across**2.0) * (1 - 0.25 * across) - bow, line - 10.0 * (1 - across**2.4) ** 0.9
 
 
 def _spot(x: Array, y: Array, centre: tuple[float, float], wide: float, tall: float) -> Array:
@@ -64,30 +112,28 @@ def _spot(x: Array, y: Array, centre: tuple[float, float], wide: float, tall: fl
     return np.asarray(np.exp(-0.5 * (((np.abs(x) - centre[0]) / wide) ** 2 + ((y - centre[1]) / tall) ** 2)))
 
 
-def _tint(c: Complexion, x: Array, y: Array, blur: float) -> Array:
+def _tint(c: Complexion, pixels: SkinPixels) -> Array:
     """Return the logarithm of the skin's albedo over its tone: regions, mottling and marks."""
+    x, y, blur = pixels.x, pixels.y, pixels.blur
     tint = c.cheeks * _spot(x, y, (40.0, -28.0), 17.0, 13.0) + c.nose * _spot(x, y, (0.0, -30.0), 13.0, 14.0)
     tint += c.eye_shadow * (_spot(x, y, (28.0, -9.0), 16.0, 6.0) + 0.8 * _spot(x, y, (26.0, 8.0), 17.0, 6.0))
     tint += c.eye_shadow * 0.8 * _spot(x, y, (14.0, 0.0), 5.0, 9.0)
     tint += c.forehead * edge(y - 20, 14) + c.mouth_region * _spot(x, y, (0.0, -74.0), 30.0, 22.0)
+    tint *= pixels.front
     for knots, spacing, strength in zip(c.grain, GRAIN, GRAIN_STRENGTH, strict=True):
-        tint += strength * np.exp(-0.5 * (blur / spacing) ** 2) * field_at(knots, x, y, spacing, spacing)
+        tint += strength * np.exp(-0.5 * (blur / spacing) ** 2) * pixels.field(knots, spacing)
     for left, height, radius, depth in c.marks[c.marks[:, 3] != 0]:
         seen = radius**2 + blur**2
         squared = (x - left) ** 2 + (y - height) ** 2
-        tint += depth * (radius**2 / seen) * np.exp(-0.5 * squared / seen)
+        tint += pixels.front * (depth * (radius**2 / seen) * np.exp(-0.5 * squared / seen))
     return tint
 
 
 def _lips(x: Array, y: Array, blur: float) -> Array:
     """Return 1 on the lips, 0 beside them."""
-    across = np.clip(np.abs(x) / 25.5, 0, 1)
-    line = -69.8 - 1.6 * across**2
-    bow = 1.6 * np.exp(-0.5 * (x / 2.6) ** 2)
-    upper = line + 9.2 * (1 - across**2.0) * (1 - 0.25 * across) - bow
-    lower = line - 10.0 * (1 - across**2.4) ** 0.9
+    _, upper, lower = lip_margins(x)
     softness = 0.9 + blur
-    return edge(upper - y, softness) * edge(y - lower, softness) * edge(25.5 - np.abs(x), 2 * softness)
+    return edge(upper - y, softness) * edge(y - lower, softness) * edge(MOUTH_HALF_WIDTH - np.abs(x), 2 * softness)
 
 
 def _creases(c: Complexion, x: Array, y: Array, blur: float) -> Array:
@@ -108,16 +154,17 @@ def _creases(c: Complexion, x: Array, y: Array, blur: float) -> Array:
     return np.asarray(np.exp(-(lashes + crease + nostril + wing + mouth + fold)))
 
 
-def _eyeball(c: Complexion, eye_x: Array, eye_y: Array, x: Array, y: Array, blur: float) -> Array:
-    """Return the albedo of sclera, iris and pupil, in the shadow of the lashes."""
+def _eyeball(c: Complexion, eye_x: Array, eye_y: Array, x: Array, y: Array, blur: float) -> tuple[Array, Array, Array]:
+    """Return the albedo of sclera, iris and pupil in the shadow of the lashes, and the shares of white and iris."""
     radius = np.hypot(eye_x, eye_y)
     softness = 0.45 + 0.7 * blur
     sclera = SCLERA * (0.55 + 0.45 * c.tone / 0.5)
     iris = c.iris * (1 - 0.5 * edge(radius - 4.9, 0.6 + blur))
-    value = sclera + (iris - sclera) * edge(IRIS_RADIUS - radius, softness)
+    inside = edge(IRIS_RADIUS - radius, softness)
+    value = sclera + (iris - sclera) * inside
     value += (0.015 - value) * edge(PUPIL_RADIUS - radius, softness)
     _, upper, lower = lid_margins(x)
     shade = 0.5 * np.exp(-np.maximum(upper - y, 0) / 1.2) + 0.15 * np.exp(-np.maximum(y - lower, 0) / 0.8)
     inner = edge(INNER_CORNER[0] + 3.0 - np.abs(x), 1.5 + blur)
     value += inner * (0.75 * c.tone - value)
-    return np.asarray(value * (1 - shade))
+    return value * (1 - shade), (1 - inside) * (1 - inner), inside * (1 - inner)
