@@ -43,7 +43,7 @@ class FineSamples:
 
     positions: Doubles
     geometric: Doubles
-    normals: Doubles
+    normals: Floats
     albedo: Floats
     pixel: Integers
     slots: Integers
