@@ -5,25 +5,43 @@ from __future__ import annotations
 import numpy as np
 
 from harmonicface._validate import Floats
-from harmonicface.lighting.light import HarmonicLight, Light
+from harmonicface.appearance.colours import colourwise
+from harmonicface.appearance.gloss import gloss
+from harmonicface.appearance.irradiance import surface_irradiance
+from harmonicface.lighting.as_light import LightLike, as_light
+from harmonicface.reflectance.materials import Material
 from harmonicface.surfaces.surface import Surface
 
 
-def render(surface: Surface, light: Light, order: int | None = None) -> Floats:
-    r"""Return the picture of a matte Surface: albedo times irradiance, B = \rho E(n).
+def render(
+    surface: Surface,
+    light: LightLike,
+    order: int | None = None,
+    material: Material | None = None,
+    shadows: bool = False,
+    bounces: int = 0,
+) -> Floats:
+    r"""Return the picture of a Surface: albedo times irradiance, B = \rho E, and what a glossy coat adds.
 
-    Exact unless told otherwise: the clamped cosine is summed over the light's own directions. With `order`, by the
-    light's harmonics (Ramamoorthi & Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001,
-    equation 7). No cast shadows, no interreflection.
+    Exact unless told otherwise: the clamped cosine is summed over the light's own directions, with `shadows` as far as
+    nothing is in their way (`shadowed_irradiance`). With `order`, by the light's harmonics (Ramamoorthi & Hanrahan, An
+    Efficient Representation for Irradiance Environment Maps, 2001, equation 7), with `shadows` times the transport
+    (Sloan, Kautz & Snyder, Precomputed Radiance Transfer, 2002).
 
     Parameters
     ----------
     surface
-        What is seen.
+        What is seen. For shadows it needs depth or a scene.
     light
-        What falls on it.
+        What falls on it: a Light, a published name, coefficients, a direction, or a list (see `as_light`).
     order
         None for the exact sum; otherwise the highest degree of the harmonic approximation.
+    material
+        `Phong` or `Microfacet`: a coat that shines on top of the matte albedo (see `gloss`). None: matte.
+    shadows
+        With cast shadows.
+    bounces
+        How often light may be thrown back from surface to surface; more than 0 implies shadows.
 
     Returns
     -------
@@ -34,7 +52,7 @@ def render(surface: Surface, light: Light, order: int | None = None) -> Floats:
     Raises
     ------
     HarmonicFaceError
-        A negative order.
+        No light, no material, a negative order or count of bounces, shadows of a Surface with neither depth nor scene.
 
     Examples
     --------
@@ -43,12 +61,10 @@ def render(surface: Surface, light: Light, order: int | None = None) -> Floats:
     >>> hf.render(wall, hf.lights.directional([0.0, 0.6, 0.8]))
     array([[0.4, 0.4]])
     """
-    source = light if order is None else HarmonicLight(light.coefficients(order))
-    irradiance = source.irradiance(surface.pixel_normals)
-    albedo = surface.pixel_albedo
-    if irradiance.ndim != albedo.ndim:
-        irradiance, albedo = (array if array.ndim == 2 else array[:, None] for array in (irradiance, albedo))
-    pixels = albedo * irradiance
+    source = as_light(light)
+    pixels = colourwise(np.multiply, surface.pixel_albedo, surface_irradiance(surface, source, order, shadows, bounces))
+    if material is not None:
+        pixels = colourwise(np.add, pixels, gloss(surface, source, material, order, shadows or bounces > 0))
     picture = np.zeros((*surface.shape, *pixels.shape[1:]), pixels.dtype)
     picture[surface.mask] = pixels
     return picture

@@ -1,0 +1,135 @@
+"""Specular shadows: how much of what a coat mirrors is hidden by the rest of the surface."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harmonicface._validate import Floats
+from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics.indexing import degrees
+from harmonicface.reflectance.filters import lambertian_weights
+from harmonicface.reflectance.materials import Material
+from harmonicface.surfaces.depth_mesh import mesh_from_depth
+from harmonicface.surfaces.rays import RayCaster
+from harmonicface.surfaces.scene import FineSamples
+from harmonicface.surfaces.surface import Surface
+from harmonicface.surfaces.transfer import transport
+
+Doubles = NDArray[np.float64]
+
+RAYS = 64  # in the lobe of a pixel
+ANGLES = 4096  # at which a lobe is tabulated
+GOLDEN = np.pi * (3 - np.sqrt(5))
+
+
+def open_share(surface: Surface, mirrored: Floats, material: Material, order: int) -> Floats:
+    r"""Return the share of each pixel's lobe that nothing hides, as far as a transport of an order tells, (p,).
+
+    .. math:: \frac{\int V(w) \max(n \cdot w, 0) \, \mathrm{lobe}(R \cdot w) \, dw}
+                   {\int \max(n \cdot w, 0) \, \mathrm{lobe}(R \cdot w) \, dw}
+              \approx \frac{\sum_{lm} f_l T_{lm} Y_{lm}(R)}{\sum_{lm} f_l A_l Y_{lm}(n) Y_{lm}(R)}
+
+    cut to 0 to 1. The transport is the visibility times the cosine, and both integrals are cut at the same order: a
+    surface that nothing shadows gets 1. The lobe it resolves is pi / order wide at best.
+
+    Parameters
+    ----------
+    surface
+        With depth or a scene, or with a transport of this order.
+    mirrored
+        (p, 3) unit vectors R.
+    material
+        What shines.
+    order
+        Of the transport.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A Surface with none of these.
+    """
+    reaching = transport(surface, order).values
+    factors = material.filter(order)[degrees(order)][:, None]
+    lobes = factors * real_harmonics(mirrored, order)
+    free = (lambertian_weights(order)[:, None] * lobes * real_harmonics(surface.pixel_normals, order)).sum(axis=0)
+    share = np.divide((lobes * reaching).sum(axis=0), free, out=np.zeros_like(free), where=free > 0)
+    return np.asarray(np.clip(share, 0, 1))
+
+
+class LobeRays:
+    """Rays from the pixels of a Surface: toward lamps, and through the lobe about each mirror direction.
+
+    Parameters
+    ----------
+    caster
+        What is in the way.
+    samples
+        Where the rays start: several places a pixel, so that the edge of a shadow is as soft as the pixel is wide.
+    """
+
+    def __init__(self, caster: RayCaster, samples: FineSamples) -> None:
+        self._caster, self._samples = caster, samples
+        self._starts = caster.starts(samples.positions, samples.geometric)
+
+    @classmethod
+    def of(cls, surface: Surface) -> LobeRays:
+        """Return rays from a Surface past the mesh it was seen from, or without one past its own depth."""
+        if surface.scene is not None:
+            return cls(surface.scene.caster, surface.scene.samples(surface.mask))
+        mesh, every = mesh_from_depth(surface), np.arange(int(surface.mask.sum()))
+        normals, albedo = surface.pixel_normals.astype(np.float64), surface.pixel_albedo
+        samples = FineSamples(mesh.vertices, normals, normals, albedo, every, every[:, None])
+        return cls(RayCaster(mesh.vertices, mesh.faces), samples)
+
+    def reaching(self, directions: Floats) -> Iterator[Floats]:
+        """Yield the share of each pixel that each lamp reaches, (p,): the mean over its samples.
+
+        Of many lamps each looks at one sample of a pixel, another one each.
+        """
+        parts = self._samples.slots.shape[1]
+        for number, direction in enumerate(directions):
+            if len(directions) < parts:
+                everywhere = np.broadcast_to(direction, self._samples.positions.shape)
+                yield self._samples.means(self._open(np.arange(len(everywhere)), everywhere).astype(np.float64))
+            else:
+                chosen = self._samples.slots[:, number % parts]
+                yield self._open(chosen, np.broadcast_to(direction, (len(chosen), 3))).astype(np.float64)
+
+    def through_lobes(self, mirrored: Floats, material: Material) -> Iterator[tuple[Doubles, NDArray[np.bool_]]]:
+        """Yield directions (p, 3) in the lobe of each pixel, equally likely, and which are open, (p,)."""
+        polar = _quantiles(material)
+        across, along = _tangents(mirrored)
+        turn = np.random.default_rng(0).uniform(0, 2 * np.pi, len(mirrored))
+        for number, angle in enumerate(polar):
+            around = turn + number * GOLDEN
+            sideways = np.cos(around)[:, None] * across + np.sin(around)[:, None] * along
+            towards = np.cos(angle) * mirrored + np.sin(angle) * sideways
+            chosen = self._samples.slots[:, number % self._samples.slots.shape[1]]
+            yield towards, self._open(chosen, towards)
+
+    def _open(self, chosen: NDArray[np.int64], towards: Floats) -> NDArray[np.bool_]:
+        """Tell from which samples nothing hides a direction; a surface hides what is behind it."""
+        above = np.einsum("ni,ni->n", self._samples.geometric[chosen], towards) > 0
+        above &= np.einsum("ni,ni->n", self._samples.normals[chosen], towards) > 0
+        result = np.asarray(above)
+        result[above] = ~self._caster.blocked_from(self._starts[chosen[above]], towards[above].astype(np.float32))
+        return result
+
+
+def _quantiles(material: Material) -> Doubles:
+    """Return angles from the mirror direction, each in the middle of an equal share of the lobe, (RAYS,)."""
+    farthest = min(np.pi / 2, 8 * material.width)  # nothing of a narrow lobe is beyond, and it is to be seen finely
+    angles = np.linspace(0, farthest, ANGLES)
+    below = np.cumsum(material.lobe(np.cos(angles)) * np.sin(angles))
+    return np.asarray(np.interp((np.arange(RAYS) + 0.5) / RAYS * below[-1], below, angles))
+
+
+def _tangents(axes: Floats) -> tuple[Doubles, Doubles]:
+    """Return two unit vectors across each axis and each other, (p, 3) each."""
+    helper = np.where(np.abs(axes[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    across = np.cross(axes, helper)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    return across, np.cross(axes, across)
