@@ -7,20 +7,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harmonicface.io.winding import against_neighbours, positions
+
 
 def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
     """Return smooth unit normals of the vertices of a triangle mesh.
 
     The mean of the normals of all triangles that meet at a position, weighted by the angle of their corner there
     (Thuermer & Wuethrich 1998, Computing vertex normals from polygonal facets). Vertices at the same position share
-    their normal, so texture seams leave no crease.
+    their normal, so texture seams leave no crease. A triangle that runs against its neighbours counts as if turned.
 
     Parameters
     ----------
     vertices
         (n, 3) finite positions.
     faces
-        (m, 3) vertex indices, counterclockwise seen from outside.
+        (m, 3) vertex indices, counterclockwise seen from outside (or all of a part clockwise: its normals then point
+        inward).
 
     Returns
     -------
@@ -35,7 +38,8 @@ def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.integer[Any]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     double_area = np.linalg.norm(normal, axis=1)
     unit = np.divide(normal, double_area[:, None], out=np.zeros_like(normal), where=double_area[:, None] > 0)
-    position = np.unique(vertices + 0.0, axis=0, return_inverse=True)[1].reshape(-1)  # + 0.0: no negative zeros
+    position = positions(vertices)
+    unit[against_neighbours(position[faces], double_area)] *= -1
     total = np.zeros((len(vertices), 3))
     for corner in range(3):
         a = corners[:, (corner + 1) % 3] - corners[:, corner]
