@@ -10,7 +10,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count
 from harmonicface.reflectance.filters import lambertian_weights
-from harmonicface.surfaces.rays import RayCaster
+from harmonicface.surfaces.blockers import Blocker, MeshBlocker
 from harmonicface.surfaces.scene import FineSamples
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.visible_sums import Doubles, sphere_directions, visible_sums
@@ -62,18 +62,19 @@ def ray_transport(surface: Surface, order: int = 4, bounces: int = 0, rays: int 
     _validate.at_least(bounces, 0, "bounces")
     _validate.at_least(rays, 1, "rays")
     scene = surface.scene
-    direct = direct_transport(scene.caster, scene.samples(surface.mask), order, rays)
+    samples = scene.samples(surface.mask)
+    direct = direct_transport(MeshBlocker(scene.caster, samples), samples, order, rays)
     if bounces:
         raise HarmonicFaceError("bounces: expected 0, got more: not there yet")
     return direct.astype(surface.normals.dtype)
 
 
-def direct_transport(caster: RayCaster, samples: FineSamples, order: int, rays: int = RAYS) -> Doubles:
+def direct_transport(blocker: Blocker, samples: FineSamples, order: int, rays: int = RAYS) -> Doubles:
     """Return the transport without bounces to the pixels of some samples, (k, p)."""
     parts = samples.slots.shape[1]
     directions = sphere_directions(SETS, -(-rays // parts) * parts)
     harmonics = np.moveaxis(real_harmonics(directions, order), 0, -1)  # (sets, r, k)
-    visible, everything = visible_sums(caster, samples, directions, 4 * np.pi / directions.shape[1] * harmonics)
+    visible, everything = visible_sums(blocker, samples, directions, 4 * np.pi / directions.shape[1] * harmonics)
     share = np.divide(visible[0], everything[0], out=np.zeros(samples.pixels), where=everything[0] > 0)
     return np.asarray(visible + share * (unshadowed_transport(samples, order) - everything))
 

@@ -62,7 +62,7 @@ class RayCaster:
         points = _validate.vectors(vertices, "vertices").astype(np.float64, copy=False)
         if points.ndim != 2:
             raise HarmonicFaceError(f"vertices: expected shape (n, 3), got {_validate.describe(points)}")
-        corners = checked_faces(faces, len(points))
+        corners = checked_faces(faces, len(points)).astype(np.int64, copy=False)
         if len(corners) == 0:
             raise HarmonicFaceError("faces: expected at least one triangle, got none")
         self.engine = _checked_engine(engine)
@@ -226,7 +226,7 @@ def _checked_rays(origins: ArrayLike, directions: ArrayLike) -> tuple[Doubles, D
         raise HarmonicFaceError(
             f"rays: expected origins and directions of shape (n, 3), got {starts.shape} and {towards.shape}"
         )
-    return starts, _validate.directions(towards, "directions") if len(towards) else towards
+    return starts, np.asarray(_validate.directions(towards, "directions"), dtype=np.float64)
 
 
 def _weights_where_met(corners: Doubles, starts: Doubles, towards: Doubles) -> Doubles:

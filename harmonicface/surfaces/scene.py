@@ -42,7 +42,7 @@ class FineSamples:
     """
 
     positions: Doubles
-    geometric: Doubles
+    geometric: Floats
     normals: Floats
     albedo: Floats
     pixel: Integers

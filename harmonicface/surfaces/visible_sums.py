@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from harmonicface._validate import Floats
-from harmonicface.surfaces.rays import RayCaster
+from harmonicface.surfaces.blockers import Blocker
 from harmonicface.surfaces.scene import FineSamples
 
 Doubles = NDArray[np.float64]
@@ -17,7 +17,7 @@ GOLDEN = (1 + 5**0.5) / 2
 
 
 def visible_sums(
-    caster: RayCaster, samples: FineSamples, directions: Floats, weights: Floats
+    blocker: Blocker, samples: FineSamples, directions: Floats, weights: Floats
 ) -> tuple[Doubles, Doubles]:
     r"""Return \sum_j V(x, w_j) max(n.w_j, 0) c_j at each pixel, and the same with V = 1.
 
@@ -28,7 +28,7 @@ def visible_sums(
 
     Parameters
     ----------
-    caster
+    blocker
         What is in the way.
     samples
         Where the light arrives; s of them a pixel.
@@ -44,7 +44,6 @@ def visible_sums(
     """
     sets, rays, columns = weights.shape
     parts = samples.slots.shape[1]
-    starts = caster.starts(samples.positions, samples.geometric)
     geometric = samples.geometric.astype(np.float32)
     normals = samples.normals.astype(np.float32)
     visible, everything = np.zeros((samples.pixels, columns)), np.zeros((samples.pixels, columns))
@@ -59,7 +58,7 @@ def visible_sums(
             everything[block] = np.matmul(cosines, brought).sum(axis=0)
             cosines *= geometric[chosen] @ towards.swapaxes(1, 2) > 0
             slot, pixel, ray = np.nonzero(cosines)
-            hidden = caster.blocked_from(starts[chosen[slot, pixel]], towards[slot, ray])
+            hidden = blocker.blocked(chosen[slot, pixel], towards[slot, ray])
             cosines[slot[hidden], pixel[hidden], ray[hidden]] = 0
             visible[block] = np.matmul(cosines, brought).sum(axis=0)
     return np.ascontiguousarray(visible.T), np.ascontiguousarray(everything.T)
