@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import warnings
 from collections.abc import Iterator
@@ -15,8 +16,9 @@ import trimesh
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.io._glb import prepared_glb
 from harmonicface.io._mesh_bytes import check_bytes
-from harmonicface.io._mesh_colours import read_colours
+from harmonicface.io._mesh_colours import check_textures, read_colours
 from harmonicface.io.images import read_image
 from harmonicface.io.vertex_normals import vertex_normals
 
@@ -70,11 +72,14 @@ def read_mesh(
 ) -> Mesh:
     r"""Read the triangles of a file; the parts of a scene are placed by its transforms and follow one another.
 
-    Normals that the file lacks are averaged over all corners at the same position, weighted by angle. Albedo is, in
+    Normals that the file lacks are averaged over all corners at the same position, weighted by angle, as if single
+    triangles that run against their neighbours ran with them; the faces themselves stay as they are. Albedo is, in
     this order: the texture given here, the texture inside the file (times its base colour factor), the colours of the
-    vertices, the main colour of the material, and 0.5 where the file says nothing. Textures and vertex colours are
-    8-bit sRGB; colours that a material names are linear reflectances. A material file that an OBJ names but that is
-    not there is as good as none. Polygons become triangles; an OBJ's vertices at texture seams are split, as GLB's are.
+    vertices, the main colour of the material, and 0.5 where the file says nothing; in a GLB factor, texture and vertex
+    colours are multiplied. Textures and vertex colours are sRGB, but a GLB's vertex colours are linear, as its
+    specification says, and so are colours that a material names. A material file that an OBJ names but that is not
+    there is as good as none; a texture that is not there is refused, unless one is given here. Polygons become
+    triangles; an OBJ's vertices at texture seams are split, as GLB's are.
 
     Parameters
     ----------
@@ -88,8 +93,9 @@ def read_mesh(
     Raises
     ------
     HarmonicFaceError
-        No such file, another ending, a file cut short or corrupt, no faces, NaN, indices out of range, a texture for a
-        mesh without texture coordinates, flip_texture without a texture.
+        No such file, another ending, a file cut short or corrupt, beyond the memory there is, no faces, NaN, indices
+        out of range, a texture that is missing or of another mode than grey, RGB or palette, a texture for a mesh
+        without texture coordinates, flip_texture without a texture.
 
     Examples
     --------
@@ -105,8 +111,7 @@ def read_mesh(
         raise HarmonicFaceError(f"{file}: expected a mesh ({' '.join(ENDINGS)}), got the ending {file.suffix!r}")
     if flip_texture and texture is None:
         raise HarmonicFaceError("flip_texture: expected a texture to flip, got none (give texture=)")
-    check_bytes(file)
-    parts = _parts(file)
+    parts = _parts(file, check_bytes(file), textures=texture is None)
     if not parts:
         raise HarmonicFaceError(f"{file}: expected a mesh with faces, got a file without any")
     mesh = _joined(parts)
@@ -125,11 +130,13 @@ class _Part:
     albedo: Doubles
 
 
-def _parts(file: Path) -> list[_Part]:
-    """Return the triangle meshes of a file in the file's order."""
+def _parts(file: Path, data: bytes, *, textures: bool) -> list[_Part]:
+    """Return the triangle meshes of a file in the file's order; the textures that it names must be there."""
     try:
         with _quiet():
-            scene = trimesh.load_scene(file, process=False)
+            if textures:
+                check_textures(file, data)
+            scene = _parsed(file, data)
             places = [scene.graph.get(node) for node in scene.graph.nodes_geometry]
             names = list(scene.geometry)
             if file.suffix.lower() == ".obj":
@@ -147,6 +154,14 @@ def _parts(file: Path) -> list[_Part]:
         raise HarmonicFaceError(
             f"{file}: expected a whole mesh, got one cut short or corrupt: {type(error).__name__}: {reason}"
         ) from None
+
+
+def _parsed(file: Path, data: bytes) -> Any:
+    """Return trimesh's scene of a file."""
+    ending = file.suffix.lower()
+    stream = io.BytesIO(prepared_glb(data) if ending == ".glb" else data)
+    resolver = trimesh.resolvers.FilePathResolver(str(file.resolve()))
+    return trimesh.load_scene(stream, file_type=ending[1:], resolver=resolver, process=False)
 
 
 @contextmanager
@@ -178,14 +193,19 @@ def _part(geometry: Any, matrix: Doubles) -> _Part:
         if given is not None and determinant != 0:
             given = given @ np.linalg.inv(linear)  # normals go by the inverse transpose
     _check(vertices, faces)
-    normals = vertex_normals(vertices, faces)
-    if given is not None:
-        length = np.linalg.norm(given, axis=1, keepdims=True)
-        if not np.isfinite(length).all():
-            raise HarmonicFaceError("expected finite normals, got NaN or infinite ones")
-        normals = np.divide(given, length, out=normals, where=length > 0)
-    uv, texture, albedo = read_colours(geometry.visual, len(vertices))
-    return _Part(vertices, faces, normals, uv, texture, albedo)
+    uv, texture, albedo = read_colours(geometry, len(vertices))
+    return _Part(vertices, faces, _normals(vertices, faces, given), uv, texture, albedo)
+
+
+def _normals(vertices: Doubles, faces: NDArray[np.int64], given: Doubles | None) -> Doubles:
+    """Return the unit normals that are given; where there are none, those of the triangles around."""
+    if given is None:
+        return vertex_normals(vertices, faces)
+    length = np.linalg.norm(given, axis=1, keepdims=True)
+    if not np.isfinite(length).all():
+        raise HarmonicFaceError("expected finite normals, got NaN or infinite ones")
+    normals = np.zeros_like(given) if (length > 0).all() else vertex_normals(vertices, faces)
+    return np.asarray(np.divide(given, length, out=normals, where=length > 0))
 
 
 def _check(vertices: Doubles, faces: NDArray[np.int64]) -> None:

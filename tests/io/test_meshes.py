@@ -133,7 +133,7 @@ def test_seams_split_vertices_but_not_normals(tmp_path):
     np.testing.assert_array_equal(mesh.uv[mesh.faces[1]], [[1, 1], [0, 1], [0, 0]])
 
 
-@pytest.mark.parametrize("name", ["a.ply", "a.glb", "a.obj"])
+@pytest.mark.parametrize("name", ["a.ply", "a.obj"])
 def test_vertex_colours_are_srgb(tmp_path, ball, name):
     colours = np.random.default_rng(3).integers(0, 256, (len(ball.vertices), 4), dtype=np.uint8)
     ball.visual.vertex_colors = colours
