@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import json
 import os
 from dataclasses import asdict
 from pathlib import Path
-from string import Template
 
 from harmonicface.bench import pictures
 from harmonicface.bench.benchmark import MARGIN_METHOD, BenchmarkResult
 from harmonicface.bench.measure import machine
+from harmonicface.bench.page import definitions, image, page, table
 from harmonicface.bench.table import error_table, margin_table
 from harmonicface.bench.tiers import TIERS
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
-
-TEMPLATE = Path(__file__).with_name("report.html.template")
 
 
 def write_report(result: BenchmarkResult, folder: str | os.PathLike[str]) -> Path:
@@ -79,25 +76,26 @@ def _page(result: BenchmarkResult) -> str:
     """Fill the page."""
     about = machine()
     queries = sum(result.queries.values())
-    return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
-        headline=html.escape(_headline(result)),
-        faces=result.faces,
-        size=result.size,
-        seed=result.seed,
-        queries=queries,
-        each=queries // len(result.queries),
-        threshold=result.gallery.threshold,
-        margin=f"{result.gallery.margin:.2f}",
-        tiers="".join(f"<dt>{html.escape(tier.name)}</dt><dd>{html.escape(tier.about)}</dd>" for tier in TIERS),
-        errors=_table(*error_table(result), MARGIN_METHOD),
-        margins=_table(*margin_table(result)),
-        explanations=_image(pictures.explanations_picture(result), "photographs explained by right and wrong people"),
-        harmonics=_image(pictures.harmonics_picture(result.people[0].surface), "nine harmonic images of one person"),
-        lights=_image(pictures.lights_picture(result), "balls and faces under the lights of each tier"),
-        tradeoff=_image(pictures.tradeoff_picture(result.methods, result.queries), "error against time"),
-        machine=html.escape(f"{about['processor']}, {about['cores']} cores, Python {about['python']}"),
-        packages=html.escape(", ".join(f"{name} {number}" for name, number in dict(about["packages"]).items())),  # type: ignore[call-overload]
-    )
+    fields = {
+        "headline": html.escape(_headline(result)),
+        "faces": result.faces,
+        "size": result.size,
+        "seed": result.seed,
+        "queries": queries,
+        "each": queries // len(result.queries),
+        "threshold": result.gallery.threshold,
+        "margin": f"{result.gallery.margin:.2f}",
+        "tiers": definitions({tier.name: tier.about for tier in TIERS}),
+        "errors": table(*error_table(result), MARGIN_METHOD),
+        "margins": table(*margin_table(result)),
+        "explanations": image(pictures.explanations_picture(result), "photographs explained by right and wrong people"),
+        "harmonics": image(pictures.harmonics_picture(result.people[0].surface), "nine harmonic images of one person"),
+        "lights": image(pictures.lights_picture(result), "balls and faces under the lights of each tier"),
+        "tradeoff": image(pictures.tradeoff_picture(result.methods, result.queries), "error against time"),
+        "machine": html.escape(f"{about['processor']}, {about['cores']} cores, Python {about['python']}"),
+        "packages": html.escape(", ".join(f"{name} {number}" for name, number in dict(about["packages"]).items())),  # type: ignore[call-overload]
+    }
+    return page("report.html.template", f"harmonicface bench: {result.faces} people, seed {result.seed}", fields)
 
 
 def _headline(result: BenchmarkResult) -> str:
@@ -107,21 +105,3 @@ def _headline(result: BenchmarkResult) -> str:
     if MARGIN_METHOD not in wrong:
         return f"{len(wrong)} methods, {total} photographs"
     return f"Nine harmonic images rank the right person first in {total - wrong[MARGIN_METHOD]} of {total} photographs"
-
-
-def _table(heads: list[str], rows: list[list[str]], strong: str = "") -> str:
-    """Return an HTML table; the row that begins with `strong` stands out."""
-    head = "".join(f"<th>{html.escape(text)}</th>" for text in heads)
-    body = "".join(
-        f"<tr{' class=ours' if row[0] == strong else ''}>"
-        + "".join(f"<td>{html.escape(cell)}</td>" for cell in row)
-        + "</tr>"
-        for row in rows
-    )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def _image(png: bytes, description: str) -> str:
-    """Return a picture that stands inside the page."""
-    data = base64.b64encode(png).decode("ascii")
-    return f'<img alt="{html.escape(description)}" src="data:image/png;base64,{data}">'
