@@ -78,7 +78,7 @@ def gloss(
     facing = np.einsum("pi,pi->p", normals, view)
     mirrored = _unit(2 * facing[:, None] * normals - view)
     if shadows and order is None:
-        received = _past_obstacles(LobeRays.of(surface), light, material, mirrored)
+        received = _past_obstacles(LobeRays(surface), light, material, mirrored)
     else:
         received = (_exactly if order is None else _by_harmonics)(light, material, mirrored)
     strength = math.pi * material.reflectance(facing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from harmonicface._validate import Floats
+from harmonicface.appearance.shadows import shadowed_irradiance
 from harmonicface.lighting.light import HarmonicLight, Light
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.transfer import transport
@@ -47,13 +48,9 @@ def surface_irradiance(
         source = light if order is None else HarmonicLight(light.coefficients(order))
         return source.irradiance(surface.pixel_normals)
     if order is None:
-        return _stand_in(surface, light, bounces)
+        return shadowed_irradiance(surface, light, bounces)
     reaching = transport(surface, order, bounces).values
     coefficients = light.coefficients(order).astype(reaching.dtype, copy=False)
     if coefficients.ndim == 2:  # a colour's light meets its own transport if there is one
         return np.asarray(np.einsum("kc,kpc->pc" if reaching.ndim == 3 else "kc,kp->pc", coefficients, reaching))
     return np.asarray(np.tensordot(coefficients, reaching, (0, 0)))
-
-
-def _stand_in(surface: Surface, light: Light, bounces: int) -> Floats:
-    return surface_irradiance(surface, light, 8, True, bounces)

@@ -8,7 +8,9 @@ from harmonicface._validate import Floats
 from harmonicface.appearance.colours import colourwise
 from harmonicface.appearance.gloss import gloss
 from harmonicface.appearance.irradiance import surface_irradiance
+from harmonicface.appearance.shadows import shadowed_radiosity
 from harmonicface.lighting.as_light import LightLike, as_light
+from harmonicface.lighting.light import Light
 from harmonicface.reflectance.materials import Material
 from harmonicface.surfaces.surface import Surface
 
@@ -24,7 +26,7 @@ def render(
     r"""Return the picture of a Surface: albedo times irradiance, B = \rho E, and what a glossy coat adds.
 
     Exact unless told otherwise: the clamped cosine is summed over the light's own directions, with `shadows` as far as
-    nothing is in their way (`shadowed_irradiance`). With `order`, by the light's harmonics (Ramamoorthi & Hanrahan, An
+    nothing is in their way (`shadowed_radiosity`). With `order`, by the light's harmonics (Ramamoorthi & Hanrahan, An
     Efficient Representation for Irradiance Environment Maps, 2001, equation 7), with `shadows` times the transport
     (Sloan, Kautz & Snyder, Precomputed Radiance Transfer, 2002).
 
@@ -62,9 +64,17 @@ def render(
     array([[0.4, 0.4]])
     """
     source = as_light(light)
-    pixels = colourwise(np.multiply, surface.pixel_albedo, surface_irradiance(surface, source, order, shadows, bounces))
+    pixels = _matte(surface, source, order, shadows, bounces)
     if material is not None:
         pixels = colourwise(np.add, pixels, gloss(surface, source, material, order, shadows or bounces > 0))
     picture = np.zeros((*surface.shape, *pixels.shape[1:]), pixels.dtype)
     picture[surface.mask] = pixels
     return picture
+
+
+def _matte(surface: Surface, light: Light, order: int | None, shadows: bool, bounces: int) -> Floats:
+    """Return albedo times irradiance, (p,) or (p, 3)."""
+    if order is None and (shadows or bounces):
+        return shadowed_radiosity(surface, light, bounces)
+    irradiance = surface_irradiance(surface, light, order, shadows, bounces)
+    return colourwise(np.multiply, surface.pixel_albedo, irradiance)

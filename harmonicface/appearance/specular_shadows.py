@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
+from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.reflectance.filters import lambertian_weights
 from harmonicface.reflectance.materials import Material
-from harmonicface.surfaces.depth_mesh import mesh_from_depth
-from harmonicface.surfaces.rays import RayCaster
-from harmonicface.surfaces.scene import FineSamples
+from harmonicface.surfaces.blockers import Blocker, DepthBlocker, MeshBlocker, pixel_samples
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.transfer import transport
 
@@ -60,29 +59,29 @@ def open_share(surface: Surface, mirrored: Floats, material: Material, order: in
 
 
 class LobeRays:
-    """Rays from the pixels of a Surface: toward lamps, and through the lobe about each mirror direction.
+    """What of a Surface sees lamps, and directions in the lobe about what each pixel mirrors.
 
     Parameters
     ----------
-    caster
-        What is in the way.
-    samples
-        Where the rays start: several places a pixel, so that the edge of a shadow is as soft as the pixel is wide.
+    surface
+        With a scene, or with depth: the mesh is in the way, or without one the Surface's own depth.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A Surface with neither.
     """
 
-    def __init__(self, caster: RayCaster, samples: FineSamples) -> None:
-        self._caster, self._samples = caster, samples
-        self._starts = caster.starts(samples.positions, samples.geometric)
-
-    @classmethod
-    def of(cls, surface: Surface) -> LobeRays:
-        """Return rays from a Surface past the mesh it was seen from, or without one past its own depth."""
-        if surface.scene is not None:
-            return cls(surface.scene.caster, surface.scene.samples(surface.mask))
-        mesh, every = mesh_from_depth(surface), np.arange(int(surface.mask.sum()))
-        normals, albedo = surface.pixel_normals.astype(np.float64), surface.pixel_albedo
-        samples = FineSamples(mesh.vertices, normals, normals, albedo, every, every[:, None])
-        return cls(RayCaster(mesh.vertices, mesh.faces), samples)
+    def __init__(self, surface: Surface) -> None:
+        self._blocker: Blocker
+        if surface.scene is not None:  # several samples a pixel: the edge of a shadow is as soft as the pixel is wide
+            self._samples = surface.scene.samples(surface.mask)
+            self._blocker = MeshBlocker(surface.scene.caster, self._samples)
+        elif surface.depth is not None:
+            self._samples = pixel_samples(surface)
+            self._blocker = DepthBlocker(surface)
+        else:
+            raise HarmonicFaceError("surface: expected a scene or depth, which cast the shadows, got neither")
 
     def reaching(self, directions: Floats) -> Iterator[Floats]:
         """Yield the share of each pixel that each lamp reaches, (p,): the mean over its samples.
@@ -92,11 +91,10 @@ class LobeRays:
         parts = self._samples.slots.shape[1]
         for number, direction in enumerate(directions):
             if len(directions) < parts:
-                everywhere = np.broadcast_to(direction, self._samples.positions.shape)
-                yield self._samples.means(self._open(np.arange(len(everywhere)), everywhere).astype(np.float64))
+                chosen = np.arange(len(self._samples.positions))
+                yield self._samples.means(self._open(chosen, direction).astype(np.float64))
             else:
-                chosen = self._samples.slots[:, number % parts]
-                yield self._open(chosen, np.broadcast_to(direction, (len(chosen), 3))).astype(np.float64)
+                yield self._open(self._samples.slots[:, number % parts], direction).astype(np.float64)
 
     def through_lobes(self, mirrored: Floats, material: Material) -> Iterator[tuple[Doubles, NDArray[np.bool_]]]:
         """Yield directions (p, 3) in the lobe of each pixel, equally likely, and which are open, (p,)."""
@@ -111,12 +109,21 @@ class LobeRays:
             yield towards, self._open(chosen, towards)
 
     def _open(self, chosen: NDArray[np.int64], towards: Floats) -> NDArray[np.bool_]:
-        """Tell from which samples nothing hides a direction; a surface hides what is behind it."""
-        above = np.einsum("ni,ni->n", self._samples.geometric[chosen], towards) > 0
-        above &= np.einsum("ni,ni->n", self._samples.normals[chosen], towards) > 0
-        result = np.asarray(above)
-        result[above] = ~self._caster.blocked_from(self._starts[chosen[above]], towards[above].astype(np.float32))
-        return result
+        """Tell from which samples nothing hides one direction, (3,), or each its own; what is behind is hidden."""
+        above = (_dot(self._samples.geometric[chosen], towards) > 0) & (
+            _dot(self._samples.normals[chosen], towards) > 0
+        )
+        if towards.ndim == 1:
+            hidden = self._blocker.blocked_toward(chosen[above], towards)
+        else:
+            hidden = self._blocker.blocked(chosen[above], towards[above])
+        above[above] = ~hidden
+        return above
+
+
+def _dot(normals: Floats, towards: Floats) -> Floats:
+    """Return the cosines of normals (n, 3) with one direction or with one each."""
+    return np.asarray(np.einsum("ni,ni->n", normals, np.broadcast_to(towards, normals.shape)))
 
 
 def _quantiles(material: Material) -> Doubles:
