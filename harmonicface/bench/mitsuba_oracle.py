@@ -39,7 +39,7 @@ def mitsuba_picture(
         Directional or ambient light, an EnvironmentMap, or a sum of directional lights and at most one of the others.
         An environment is a "latlong" map (see `EnvironmentMap.converted`), bilinear between its pixels.
     samples
-        Paths per pixel.
+        Paths per pixel; rounded up to rows times columns of jittered places.
     depth
         None for direct light alone; otherwise the most segments of a path from camera to light: 2 is direct light
         too, 3 adds one bounce.
@@ -59,6 +59,7 @@ def mitsuba_picture(
     import mitsuba
 
     mitsuba.set_variant(VARIANT)
+    mitsuba.set_log_level(mitsuba.LogLevel.Error)  # not every count of samples is a product of two alike
     scene = {
         "type": "scene",
         "integrator": _integrator(depth),
