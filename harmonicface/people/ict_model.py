@@ -131,7 +131,7 @@ def _lines(file: Path) -> list[bytes]:
 
 
 def _rows(file: Path, lines: list[bytes], key: bytes, columns: int) -> Array:
-    """Return the numbers of the lines that begin with a key, in the file's order, which the model's indices count on."""
+    """Return the numbers of the lines that begin with a key in the file's order, which the indices count on."""
     rows = [line[len(key) :] for line in lines if line.startswith(key)]
     try:
         numbers = np.loadtxt(rows, ndmin=2, encoding="latin-1") if rows else np.zeros((0, columns))

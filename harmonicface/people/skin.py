@@ -93,8 +93,8 @@ def paint(complexion: Complexion, pixels: SkinPixels) -> Paint:
     white, iris = np.zeros((2, len(x)))
     if pixels.on_eye.any():
         eye = pixels.on_eye
-        places = (values[eye] for values in (pixels.eye_x, pixels.eye_y, x, y))
-        skin[eye], white[eye], iris[eye] = _eyeball(complexion, *places, blur)
+        gaze_x, gaze_y = pixels.eye_x[eye], pixels.eye_y[eye]
+        skin[eye], white[eye], iris[eye] = _eyeball(complexion, gaze_x, gaze_y, x[eye], y[eye], blur)
         lips[eye] = cover[eye] = 0
     return Paint(np.clip(skin, SMALLEST_ALBEDO, LARGEST_ALBEDO), lips, cover, white, iris)
 

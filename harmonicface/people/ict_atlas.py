@@ -1,0 +1,111 @@
+"""The ICT head's textures: where on the head each texel lies, and how painted texels become pictures without seams."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from harmonicface.people.ict_model import BACK, FACE, LEFT_EYE, POLYGONS_OF, RIGHT_EYE, HeadModel
+from harmonicface.people.ict_places import head_places
+from harmonicface.people.mottling import field_at
+from harmonicface.people.skin import SkinPixels
+from harmonicface.surfaces.raster import rasterize
+
+Array = NDArray[np.float64]
+
+MILLIMETRES = {FACE: 230.0, BACK: 500.0, LEFT_EYE: 40.0, RIGHT_EYE: 40.0}  # across a texture, roughly
+COARSEST, FINEST, STEP = 128, 1024, 64  # texels a side
+TEXELS_A_PIXEL = 1.6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HeadTexels(SkinPixels):
+    """Where the texels of a texture lie on the mean head.
+
+    Parameters
+    ----------
+    points
+        (p, 3) mm; x and y of `SkinPixels` are the first two.
+    facing
+        (p, 3) how much the skin faces along each axis; squares sum to 1.
+    """
+
+    points: Array
+    facing: Array
+
+    def field(self, knots: NDArray[np.float32], spacing: float) -> Array:
+        """Return the random field through knots, looked at from the front, from the sides and from above, (p,).
+
+        Each view counts where the skin faces it, so the field is nowhere stretched; and as it depends on the place on
+        the head alone, it is the same on both sides of a cut in the texture.
+        """
+        x, y, z = self.points.T
+        along = np.sign(x) * (z + 60)  # the two sides of the head are not each other's mirror image
+        views = ((along, y), (x, along), (x, y))
+        return np.asarray(sum(self.facing[:, k] * field_at(knots, *views[k], spacing, spacing) for k in range(3)))
+
+
+@dataclass(frozen=True, eq=False)
+class TextureMap:
+    """One texture of the head.
+
+    Parameters
+    ----------
+    texels
+        The p texels that lie on the head.
+    nearest
+        (side, side) which of them each texel shows: itself, or the nearest one where the texture is empty, so that
+        nothing foreign bleeds in at the borders.
+    """
+
+    texels: HeadTexels
+    nearest: NDArray[np.intp]
+
+    def picture(self, values: Array) -> NDArray[np.float32]:
+        """Return values of the p texels, (p,) or (p, 3), as a texture."""
+        return values.astype(np.float32)[self.nearest]
+
+
+def texture_side(pixel_size: float) -> int:
+    """Return how many texels a side of the face's texture do for pixels of some mm."""
+    wanted = TEXELS_A_PIXEL * MILLIMETRES[FACE] / pixel_size
+    return int(np.clip(STEP * np.ceil(wanted / STEP), COARSEST, FINEST))
+
+
+@lru_cache(maxsize=2)
+def texture_maps(model: HeadModel, side: int) -> tuple[TextureMap, ...]:
+    """Return the four textures of a model in the order of its parts: the face's of so many texels a side, others half.
+
+    The back of the head has less to show, and eyes are small.
+    """
+    return tuple(_texture_map(model, part, side if part == FACE else side // 2) for part in POLYGONS_OF)
+
+
+def _texture_map(model: HeadModel, part: int, side: int) -> TextureMap:
+    """Lay a part of the head out on its texture."""
+    places = head_places(model)
+    faces = model.faces[model.parts == part]
+    corners = np.concatenate([model.uv * (side, -side) + (0, side), np.zeros((len(model.uv), 1))], axis=1)
+    raster = rasterize(corners, faces, (side, side))
+    attributes = np.concatenate([places.points, places.normals, places.gaze], axis=1)
+    found = np.asarray(raster.interpolate(attributes, faces)[raster.mask], dtype=np.float64)
+    points, normals, gaze = found[:, :3], found[:, 3:6], found[:, 6:]
+    facing = normals**2
+    facing /= np.linalg.norm(facing, axis=1, keepdims=True)
+    texels = HeadTexels(
+        x=points[:, 0],
+        y=points[:, 1],
+        eye_x=gaze[:, 0],
+        eye_y=gaze[:, 1],
+        on_eye=np.full(len(points), part in (LEFT_EYE, RIGHT_EYE)),
+        blur=MILLIMETRES[part] / side / 2,
+        points=points,
+        facing=facing,
+    )
+    rows, columns = distance_transform_edt(~raster.mask, return_distances=False, return_indices=True)
+    number = np.cumsum(raster.mask).reshape(side, side) - 1
+    return TextureMap(texels, number[rows, columns])
