@@ -13,6 +13,7 @@ from harmonicface.io.colour import luminance
 from harmonicface.lighting.light import HarmonicLight, Light
 from harmonicface.lighting.sources import DirectionalLights
 from harmonicface.surfaces.blockers import Blocker, DepthBlocker, MeshBlocker, pixel_samples
+from harmonicface.surfaces.interreflection import depth_exchange, mesh_exchange
 from harmonicface.surfaces.ray_transport import direct_transport
 from harmonicface.surfaces.scene import FineSamples
 from harmonicface.surfaces.surface import Surface
@@ -66,7 +67,9 @@ def shadowed_irradiance(surface: Surface, light: Light, bounces: int = 0) -> Flo
     _validate.at_least(bounces, 0, "bounces")
     samples, blocker = _receivers(surface)
     result = _arriving(samples, blocker, light, np.ones((len(samples.normals), 1)))
-    return _shaped(result, light.channels == 3).astype(surface.normals.dtype)
+    if bounces:
+        result = result + _thrown_back(surface, samples, blocker, light, bounces)
+    return _shaped(result).astype(surface.normals.dtype)
 
 
 def shadowed_radiosity(surface: Surface, light: Light, bounces: int = 0) -> Floats:
@@ -85,8 +88,9 @@ def shadowed_radiosity(surface: Surface, light: Light, bounces: int = 0) -> Floa
     own = _columns(surface.pixel_albedo)
     factor, mean = _relative_albedo(samples, own.shape[1])
     thrown = own / mean * _arriving(samples, blocker, light, factor)
-    result = _shaped(thrown, light.channels == 3 or surface.albedo.ndim == 3)
-    return result.astype(surface.normals.dtype)
+    if bounces:
+        thrown = thrown + own * _thrown_back(surface, samples, blocker, light, bounces)
+    return _shaped(thrown).astype(surface.normals.dtype)
 
 
 def _relative_albedo(samples: FineSamples, colours: int) -> tuple[Doubles, Doubles]:
@@ -109,9 +113,9 @@ def _receivers(surface: Surface) -> tuple[FineSamples, Blocker]:
     return pixel_samples(surface), DepthBlocker(surface)
 
 
-def _shaped(values: Doubles, coloured: bool) -> Doubles:
-    """Return (p, 1) or (p, 3) as (p,), or as (p, 3) if there is colour."""
-    return values if coloured else values[:, 0]
+def _shaped(values: Doubles) -> Doubles:
+    """Return (p, 1) as (p,), and (p, 3) as it is."""
+    return values[:, 0] if values.shape[1] == 1 else values
 
 
 def _columns(values: Floats) -> Doubles:
@@ -133,6 +137,18 @@ def _arriving(samples: FineSamples, blocker: Blocker, light: Light, factor: Doub
             unshadowed = samples.means(factor * _columns(part.irradiance(samples.normals)))
             result += unshadowed * _open_share(samples, blocker, part)
     return result
+
+
+def _thrown_back(surface: Surface, samples: FineSamples, blocker: Blocker, light: Light, bounces: int) -> Doubles:
+    """Return the irradiance of the pixels from light that the surface throws on itself, (p, 1 or 3)."""
+    if surface.scene is None:
+        exchange = depth_exchange(surface)
+    else:
+        exchange = mesh_exchange(surface.scene, samples, bounces)
+        blocker = MeshBlocker(surface.scene.caster, exchange.pieces)
+    pieces = exchange.pieces
+    direct = _arriving(pieces, blocker, light, np.ones((len(pieces.normals), 1)))
+    return exchange.bounced(direct, bounces)
 
 
 def _of_lamps(samples: FineSamples, blocker: Blocker, lamps: DirectionalLights) -> Doubles:

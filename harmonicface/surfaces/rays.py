@@ -67,15 +67,14 @@ class RayCaster:
             raise HarmonicFaceError("faces: expected at least one triangle, got none")
         self.engine = _checked_engine(engine)
         self._faces = corners
-        self._points = points
         used = np.zeros(len(points), dtype=np.bool_)
         used[corners] = True
         low, high = points[used].min(axis=0), points[used].max(axis=0)
         self._centre = low + (high - low) / 2
         extent = float((high - low).max())
         self._extent = extent if extent > 0 else 1.0
-        unit = np.where(used[:, None], self._in_box(points), 0.0)
-        self._engine: _Engine = (_Embree if self.engine == "embree" else _Trimesh)(unit, corners)
+        self._unit = np.where(used[:, None], self._in_box(points), 0.0)
+        self._engine: _Engine = (_Embree if self.engine == "embree" else _Trimesh)(self._unit, corners)
 
     @property
     def offset(self) -> float:
@@ -109,7 +108,7 @@ class RayCaster:
         return np.asarray(self._in_box(points) + OFFSET * normals, dtype=np.float32)
 
     def blocked_from(self, starts: NDArray[np.float32], directions: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Tell which rays meet a triangle: `blocked` without its checks, for millions of rays from the same starts."""
+        """Tell which rays meet a triangle: `blocked` without its checks, from what `starts` returned."""
         return self._engine.blocked(starts, directions)
 
     def first_hits(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Integers, Doubles]:
@@ -140,11 +139,15 @@ class RayCaster:
         (array([0]), array([[0.25, 0.25, 0.5 ]]))
         """
         starts, towards = _checked_rays(origins, directions)
-        triangle = self._engine.first_hits(self._in_box(starts), towards)
+        return self.hits_from(self._in_box(starts), towards)
+
+    def hits_from(self, starts: Floats, directions: Floats) -> tuple[Integers, Doubles]:
+        """Return what rays meet first: `first_hits` without its checks, from what `starts` returned."""
+        triangle = self._engine.first_hits(starts, directions)
         weights = np.zeros((len(triangle), 3))
-        met = triangle >= 0
-        corners = self._points[self._faces[triangle[met]]]
-        weights[met] = _weights_where_met(corners, starts[met], towards[met])
+        met = np.flatnonzero(triangle >= 0)
+        corners = self._unit[self._faces[triangle[met]]]
+        weights[met] = _weights_where_met(corners, starts[met].astype(np.float64), directions[met].astype(np.float64))
         return triangle, weights
 
     def _in_box(self, points: Floats) -> Doubles:
