@@ -148,7 +148,9 @@ def _thrown_back(surface: Surface, samples: FineSamples, blocker: Blocker, light
         blocker = MeshBlocker(surface.scene.caster, exchange.pieces)
     pieces = exchange.pieces
     direct = _arriving(pieces, blocker, light, np.ones((len(pieces.normals), 1)))
-    return exchange.bounced(direct, bounces)
+    coloured = direct.shape[1] == 3
+    bounced = exchange.bounced(direct[:, None] if coloured else direct, bounces)  # each colour its own light
+    return bounced.reshape(len(bounced), -1)
 
 
 def _of_lamps(samples: FineSamples, blocker: Blocker, lamps: DirectionalLights) -> Doubles:

@@ -133,6 +133,12 @@ def depth_exchange(surface: Surface, rays: int = RAYS) -> Exchange:
     return Exchange(to_pixels, to_pixels, samples)
 
 
+def with_bounces(direct: Floats, bounced: Floats) -> Floats:
+    """Return direct transport (k, p) plus what arrives by bounces, (p, k) or (p, k, 3): (k, p) or (k, p, 3)."""
+    more = bounced.swapaxes(0, 1)
+    return np.asarray((direct[..., None] if more.ndim == 3 else direct) + more)
+
+
 Met = Callable[[Integers, Doubles, Floats], tuple[Integers, Integers, Doubles]]
 
 

@@ -11,7 +11,7 @@ from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count
 from harmonicface.reflectance.filters import lambertian_weights
 from harmonicface.surfaces.blockers import Blocker, MeshBlocker
-from harmonicface.surfaces.interreflection import PATCH_RAYS, mesh_exchange
+from harmonicface.surfaces.interreflection import PATCH_RAYS, mesh_exchange, with_bounces
 from harmonicface.surfaces.scene import FineSamples
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.visible_sums import Doubles, sphere_directions, visible_sums
@@ -70,12 +70,6 @@ def ray_transport(surface: Surface, order: int = 4, bounces: int = 0, rays: int 
         arriving = direct_transport(MeshBlocker(scene.caster, exchange.pieces), exchange.pieces, order, PATCH_RAYS)
         return with_bounces(direct, exchange.bounced(arriving.T, bounces)).astype(surface.normals.dtype)
     return direct.astype(surface.normals.dtype)
-
-
-def with_bounces(direct: Floats, bounced: Floats) -> Floats:
-    """Return direct transport (k, p) plus what arrives by bounces, (p, k) or (p, k, 3): (k, p) or (k, p, 3)."""
-    more = bounced.swapaxes(0, 1)
-    return np.asarray((direct[..., None] if more.ndim == 3 else direct) + more)
 
 
 def direct_transport(blocker: Blocker, samples: FineSamples, order: int, rays: int = RAYS) -> Doubles:
