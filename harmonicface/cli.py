@@ -11,6 +11,7 @@ from harmonicface.commands.environment import light
 from harmonicface.commands.evaluation import bench, evaluate_yale
 from harmonicface.commands.pictures import images
 from harmonicface.commands.recognition import enroll, match
+from harmonicface.commands.relighting import relight
 from harmonicface.errors import HarmonicFaceError
 
 # What typer raises for a wrong option; it has no public name.
@@ -22,7 +23,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (bench, enroll, match, images, light):
+for command in (bench, enroll, match, images, relight, light):
     app.command()(command)
 evaluate = typer.Typer(help="Published protocols on data that you have.", no_args_is_help=True)
 evaluate.command("yale-b")(evaluate_yale)

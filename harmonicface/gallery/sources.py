@@ -21,7 +21,7 @@ from harmonicface.surfaces.surface import Surface
 class MeshView:
     """How a mesh is looked at; None where the user says nothing (see `load_surface`)."""
 
-    size: int | None = None
+    size: int | tuple[int, int] | None = None
     texture: Path | None = None
     flip_texture: bool = False
     rotation: Sequence[float] | None = None
