@@ -1,4 +1,4 @@
-"""The main job: synthetic people, asked for under light that no gallery picture showed."""
+"""The main job: people who do not exist, asked for under light that no gallery picture showed."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from harmonicface._validate import Floats
 from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
 from harmonicface.bench.contenders import METHODS, Contender, GalleryContender, Person, contender
+from harmonicface.bench.crowds import SYNTHETIC, Crowd
 from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.lighting.light import Light
-from harmonicface.people.synthetic import synthetic_people
 from harmonicface.surfaces.surface import Surface
 
 MARGIN_METHOD = "harmonic9"
@@ -76,6 +76,7 @@ class BenchmarkResult:
     people: Sequence[Person]
     asked: dict[str, list[Query]]
     gallery: Gallery
+    crowd: str = SYNTHETIC.name
 
 
 def run_benchmark(
@@ -85,8 +86,9 @@ def run_benchmark(
     queries: int = 2,
     methods: Sequence[str] = METHODS,
     progress: Progress | None = None,
+    crowd: Crowd = SYNTHETIC,
 ) -> BenchmarkResult:
-    """Enrol synthetic people, ask for them in every tier by every method.
+    """Enrol people who do not exist, ask for them in every tier by every method.
 
     Surfaces enrol the subspace methods; the others learn from seven photographs a person under frontal lamps. Every
     photograph is an exact sum of clamped cosines over the light's directions, then noise, saturation and 8 bits.
@@ -105,6 +107,8 @@ def run_benchmark(
         Names of methods, as in the design of the command line.
     progress
         Called as work goes on.
+    crowd
+        Whom to enrol and ask for; the built-in people by default.
 
     Raises
     ------
@@ -119,7 +123,7 @@ def run_benchmark(
         raise HarmonicFaceError(f"methods: expected each once, got {', '.join(methods)}")
     contenders = {method: contender(method) for method in methods}
     everybody = []
-    for surface in synthetic_people(faces + STRANGERS, size, seed):
+    for surface in crowd.draw(faces + STRANGERS, size, seed):
         everybody.append(surface)
         tell("people", len(everybody), faces + STRANGERS)
     people = _enrolled(everybody[:faces], seed, tell)
@@ -139,6 +143,7 @@ def run_benchmark(
         people=people,
         asked=asked,
         gallery=gallery,
+        crowd=crowd.name,
     )
     tell("margins and strangers", 1, 1)
     return result

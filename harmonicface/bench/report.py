@@ -46,6 +46,7 @@ def write_report(result: BenchmarkResult, folder: str | os.PathLike[str]) -> Pat
 def results(result: BenchmarkResult) -> dict[str, object]:
     """Return what results.json holds: everything measured, and on what."""
     return {
+        "people": result.crowd,
         "faces": result.faces,
         "size": result.size,
         "seed": result.seed,
@@ -78,6 +79,7 @@ def _page(result: BenchmarkResult) -> str:
     queries = sum(result.queries.values())
     fields = {
         "headline": html.escape(_headline(result)),
+        "crowd": html.escape(result.crowd),
         "faces": result.faces,
         "size": result.size,
         "seed": result.seed,

@@ -113,4 +113,4 @@ def _head(model: HeadModel, index: int, seed: int, shape: tuple[int, int], albed
         textures = head_textures(model, skin, texture_side(pixel_size), colour=albedo == "colour")
         tint, wears = 1.0, model.parts
     normals = vertex_normals(points, model.faces)
-    return Mesh(points, model.faces, normals, model.uv, textures, wears, np.full(points.shape, tint))
+    return Mesh(points, model.faces, normals, model.uv, textures, wears, np.broadcast_to(tint, points.shape))

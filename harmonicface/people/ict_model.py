@@ -115,11 +115,11 @@ def _parsed(folder: Path, stamps: tuple[tuple[str, int, int], ...]) -> HeadModel
     if missing:
         expected = "generic_neutral_mesh.obj, vertex_indices.json and identity000.obj to identity099.obj"
         raise HarmonicFaceError(f"{folder}: expected the ICT face model ({expected}), got no {', no '.join(missing)}")
+    landmarks = _landmarks(folder / wanted[1])
     lines = _lines(folder / wanted[0])
     neutral = _vertices(folder / wanted[0], lines)
     shapes = np.stack([_vertices(file, _lines(file)) for file in modes.values()])
     source, uv, faces, parts = _topology(folder / wanted[0], lines)
-    landmarks = _landmarks(folder / wanted[1])
     return HeadModel(neutral, (shapes - neutral).astype(np.float32), tuple(modes), source, uv, faces, parts, landmarks)
 
 
