@@ -13,7 +13,9 @@ from harmonicface.recognition.baselines import BASELINES, Baseline, baseline
 from harmonicface.recognition.models import SUBSPACE_MODELS
 from harmonicface.surfaces.surface import Surface
 
-METHODS = (*BASELINES, *SUBSPACE_MODELS)
+EVERY_METHOD = (*BASELINES, *SUBSPACE_MODELS)
+SHADOWED = ("harmonic_shadowed",)  # what needs depth, and photographs in which it casts shadows
+METHODS = tuple(method for method in EVERY_METHOD if method not in SHADOWED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,4 +96,4 @@ def contender(method: str) -> Contender:
         return GalleryContender(method)
     if method in BASELINES:
         return PhotographContender(baseline(method))
-    raise HarmonicFaceError(f"method: expected one of {', '.join(METHODS)}, got {method!r}")
+    raise HarmonicFaceError(f"method: expected one of {', '.join(EVERY_METHOD)}, got {method!r}")

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harmonicface.bench.contenders import METHODS, Contender, Person, contender
+from harmonicface.bench.contenders import EVERY_METHOD, SHADOWED, Contender, Person, contender
 from harmonicface.datasets.yale_b import YalePerson, load_yale_b
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.calibrated import calibrated_stereo
+from harmonicface.stereo.reconstruction import reconstruct
 
 SUBSETS = (1, 2, 3, 4, 5)
 TRAINING = {"subset1": (1,), "subset12": (1, 2)}
@@ -42,7 +43,7 @@ def evaluate_yale_b(
     folder: str | os.PathLike[str],
     people: Sequence[int] | None = None,
     train: str = "subset1",
-    methods: Sequence[str] = METHODS,
+    methods: Sequence[str] = EVERY_METHOD,
     progress: Progress | None = None,
 ) -> YaleResult:
     """Enrol people of Yale B from their frontal photographs, ask for them in all five subsets.
@@ -50,6 +51,9 @@ def evaluate_yale_b(
     Surfaces come from calibrated photometric stereo on the training photographs, shadowed pixels left out; methods
     that learn from pictures get the same photographs. Queries are all photographs, at full size, as they are: linear
     intensities, no alignment, no filtering (Georghiades, Belhumeur & Kriegman 2001; Lee, Ho & Kriegman 2005).
+
+    Methods with cast shadows get the same training photographs registered to each other first, and the depth that the
+    normals integrate to; the others take the photographs as they are, as was published.
 
     Parameters
     ----------
@@ -77,23 +81,29 @@ def evaluate_yale_b(
     faces = load_yale_b(folder, people)
     if len(faces) < 2:
         raise HarmonicFaceError(f"people: expected at least two to tell apart, got {len(faces)}")
-    enrolled = enrolled_people(faces, train)
+    enrolled = {depth: enrolled_people(faces, train, depth) for depth in {name in SHADOWED for name in methods}}
     return YaleResult(
         protocol="yale-b",
         train=train,
         people=[face.number for face in faces],
         n={str(subset): sum(int((face.subsets == subset).sum()) for face in faces) for subset in SUBSETS},
-        methods={name: _judge(name, method, enrolled, faces, tell) for name, method in contenders.items()},
+        methods={
+            name: _judge(name, method, enrolled[name in SHADOWED], faces, tell) for name, method in contenders.items()
+        },
     )
 
 
-def enrolled_people(faces: Sequence[YalePerson], train: str = "subset1") -> list[Person]:
-    """Return people with their training photographs and the Surfaces that these give."""
+def enrolled_people(faces: Sequence[YalePerson], train: str = "subset1", depth: bool = False) -> list[Person]:
+    """Return people with their training photographs and the Surfaces that these give.
+
+    With depth, the photographs are registered to each other before stereo, and the normals are integrated; without,
+    stereo takes them as they are.
+    """
     people = []
     for face in faces:
         chosen = np.isin(face.subsets, TRAINING[train])
-        photographs = face.photographs[chosen]
-        surface = calibrated_stereo(photographs, face.lights[chosen]).surface
+        photographs, lights = face.photographs[chosen], face.lights[chosen]
+        surface = reconstruct(photographs, lights) if depth else calibrated_stereo(photographs, lights).surface
         people.append(Person(f"yaleB{face.number:02d}", photographs, surface))
     return people
 

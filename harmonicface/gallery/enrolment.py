@@ -49,7 +49,7 @@ def enrolment_of(
     """
     if isinstance(source, Surface):
         frame = frame or Frame(np.ones(source.shape, np.bool_))
-        return Enrolment(Subspace.of(frame.place(pictures_of(source), source.mask), MOST_ROWS), frame, "surface")
+        return Enrolment(Subspace.of(frame.place(pictures_of(source), source.mask)), frame, "surface")
     stack = _validate.floats(source, "photographs")
     if stack.ndim not in (3, 4) or len(stack) < FEWEST_PHOTOGRAPHS or stack.size == 0:
         expected = f"a Surface, or at least {FEWEST_PHOTOGRAPHS} photographs of shape (n, h, w)"

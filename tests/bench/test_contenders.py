@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 import harmonicface as hf
-from harmonicface.bench.contenders import METHODS, GalleryContender, Person, PhotographContender, contender
+from harmonicface.bench.contenders import (
+    EVERY_METHOD,
+    METHODS,
+    GalleryContender,
+    Person,
+    PhotographContender,
+    contender,
+)
 from harmonicface.recognition.correlation import Correlation
 from harmonicface.recognition.opencv import Eigenfaces, Fisherfaces, LocalBinaryPatterns
 
@@ -20,6 +27,7 @@ PEOPLE = [
 def test_the_names() -> None:
     photographs = ("correlation", "eigenfaces", "eigenfaces_minus3", "fisherfaces", "lbph")
     assert list(METHODS) == [*photographs, "linear3", "ambient4", "harmonic9"]
+    assert [*METHODS, "harmonic_shadowed"] == list(EVERY_METHOD)
 
 
 @pytest.mark.parametrize(
@@ -39,14 +47,14 @@ def test_methods_that_learn_from_photographs(name: str, kind: type, dropped: int
     assert getattr(made._baseline, "_drop_first", None) == dropped
 
 
-@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9"])
+@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9", "harmonic_shadowed"])
 def test_methods_that_know_the_surface(name: str) -> None:
     made = contender(name)
     assert isinstance(made, GalleryContender)
     assert made.gallery.model == name
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", EVERY_METHOD)
 def test_everybody_is_found_in_an_enrolled_photograph(name: str) -> None:
     method = contender(name)
     method.enroll(PEOPLE)
@@ -54,7 +62,9 @@ def test_everybody_is_found_in_an_enrolled_photograph(name: str) -> None:
     assert method.bytes_per_person > 0
 
 
-@pytest.mark.parametrize(("name", "rows"), [("linear3", 3), ("ambient4", 4), ("harmonic9", 9)])
+@pytest.mark.parametrize(
+    ("name", "rows"), [("linear3", 3), ("ambient4", 4), ("harmonic9", 9), ("harmonic_shadowed", 25)]
+)
 def test_memory_of_a_gallery_is_its_rows(name: str, rows: int) -> None:
     method = contender(name)
     method.enroll(PEOPLE)
@@ -68,5 +78,5 @@ def test_contenders_are_fresh() -> None:
 
 
 def test_no_such_method() -> None:
-    with pytest.raises(hf.HarmonicFaceError, match=r"method: expected one of correlation, .*harmonic9, got 'magic'"):
+    with pytest.raises(hf.HarmonicFaceError, match=r"method: expected one of correlation, .*harmonic_shadowed, got 'magic'"):
         contender("magic")

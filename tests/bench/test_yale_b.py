@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import harmonicface as hf
-from harmonicface.bench.contenders import METHODS
+from harmonicface.bench.contenders import EVERY_METHOD
 from harmonicface.bench.yale_b import evaluate_yale_b
 
 
@@ -17,7 +17,7 @@ def test_every_photograph_is_asked_of_every_method(yale_folder: Path) -> None:
     result = evaluate_yale_b(yale_folder, progress=lambda *step: told.append(step))
     assert (result.protocol, result.train, result.people) == ("yale-b", "subset1", [1, 2, 3])
     assert result.n == {"1": 21, "2": 6, "3": 6, "4": 6, "5": 3}
-    assert list(result.methods) == list(METHODS)
+    assert list(result.methods) == list(EVERY_METHOD)
     for name, method in result.methods.items():
         assert set(method.error_percent) == set(result.n)
         assert all(0 <= percent <= 100 for percent in method.error_percent.values())

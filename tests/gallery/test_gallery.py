@@ -378,7 +378,7 @@ def test_unknown_names(gallery: hf.Gallery) -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"model": "magic"}, "model: expected one of linear3, ambient4, harmonic9, got 'magic'"),
+        ({"model": "magic"}, "model: expected one of linear3, ambient4, harmonic9, harmonic_shadowed, got 'magic'"),
         ({"threshold": -0.1}, "threshold: expected a number from 0 to 1, got -0.1"),
         ({"threshold": "high"}, "threshold: expected a number from 0 to 1, got str 'high'"),
         ({"margin": 0.9}, "margin: expected a number of at least 1, got 0.9"),

@@ -18,7 +18,7 @@ SPANS = {
 }
 
 
-@pytest.mark.parametrize("name", SUBSPACE_MODELS)
+@pytest.mark.parametrize("name", SPANS)
 def test_a_model_spans_its_pictures(name: str) -> None:
     pictures = subspace_model(name)(SURFACE)
     expected = ALBEDO * np.array(SPANS[name])
@@ -32,9 +32,23 @@ def test_linear_pictures_are_those_without_shadows() -> None:
     assert_allclose(subspace_model("linear3")(SURFACE), weight * ALBEDO * np.array([Y, Z, X]), rtol=0, atol=1e-6)
 
 
+def test_shadowed_pictures_have_less_light_where_depth_hides_it() -> None:
+    pictures = subspace_model("harmonic_shadowed")(SURFACE)
+    assert pictures.shape == (25, len(ALBEDO))
+    ambient, free = pictures[0], hf.harmonic_images(SURFACE, order=0)[0]
+    assert (ambient <= free + 1e-5).all()
+    assert (ambient < 0.8 * free).any()  # beside the nose
+
+
+def test_shadows_need_something_that_casts_them() -> None:
+    flat = hf.Surface(SURFACE.normals, SURFACE.albedo, SURFACE.mask)
+    with pytest.raises(hf.HarmonicFaceError, match="surface: expected depth, which casts the shadows, got a Surface"):
+        subspace_model("harmonic_shadowed")(flat)
+
+
 @pytest.mark.parametrize("name", ["magic", "", "Harmonic9"])
 def test_no_such_model(name: str) -> None:
     with pytest.raises(
-        hf.HarmonicFaceError, match=f"model: expected one of linear3, ambient4, harmonic9, got '{name}'"
+        hf.HarmonicFaceError, match=f"model: expected one of {', '.join(SUBSPACE_MODELS)}, got '{name}'"
     ):
         subspace_model(name)
