@@ -10,6 +10,7 @@ from harmonicface.surfaces._triangles import Integers
 from harmonicface.surfaces.perspective import PerspectiveView
 from harmonicface.surfaces.raster import Raster, rasterize
 
+SUBPIXELS = 2.0**30  # a pixel, to which corners are rounded
 NEAR = 1e-4  # of the farthest vertex's distance along the axis: what is nearer the camera is not seen
 
 
@@ -39,7 +40,8 @@ def perspective_raster(placed: Floats, faces: Integers, view: PerspectiveView) -
     vertices = np.concatenate([np.where((ahead >= near)[:, None], placed, [0.0, 0.0, -1.0]), corners])
     cut_faces = len(placed) + np.arange(len(corners)).reshape(-1, 3)
     drawn = np.concatenate([faces[whole], cut_faces])
-    picture = np.column_stack([view.pixels(vertices), -1 / vertices[:, 2]])
+    pixels = np.rint(view.pixels(vertices) * SUBPIXELS) / SUBPIXELS  # what was meant to be a pixel's centre is one
+    picture = np.column_stack([pixels, -1 / vertices[:, 2]])
     raster = rasterize(picture, drawn, view.shape)
     return _in_space(raster, picture[:, 2], drawn, np.concatenate([whole, owner]), cuts, placed, faces)
 

@@ -55,7 +55,7 @@ def mesh_from_depth(surface: Surface, steepest: float = STEEPEST) -> Mesh:
         raise HarmonicFaceError(f"steepest: expected at most 90 degrees, got {limit}")
     vertices = pixel_positions(surface)
     rise = np.inf if limit == 90 else np.tan(np.deg2rad(limit))
-    faces = _faces(surface.mask, vertices, rise)
+    faces = grid_faces(surface.mask, vertices, rise)
     if len(faces) == 0:
         raise HarmonicFaceError("depth: expected three neighbouring pixels without a step between them, got none")
     albedo = surface.pixel_albedo.astype(np.float64).reshape(len(vertices), -1)
@@ -80,8 +80,18 @@ def pixel_positions(surface: Surface) -> NDArray[np.float64]:
     return np.stack([x, y, surface.depth[surface.mask].astype(np.float64)], axis=1)
 
 
-def _faces(inside: NDArray[np.bool_], vertices: Floats, rise: float) -> NDArray[np.int64]:
-    """Return the triangles between neighbouring pixels, (m, 3), without those that have a step for an edge."""
+def grid_faces(inside: NDArray[np.bool_], vertices: Floats, rise: float) -> NDArray[np.int64]:
+    """Return the triangles between neighbouring pixels, (m, 3), without those that have a step for an edge.
+
+    Parameters
+    ----------
+    inside
+        (h, w) booleans; vertex i is the i-th pixel inside in row-major order.
+    vertices
+        (p, 3) positions on the grid and depth.
+    rise
+        The largest difference in depth over the distance on the grid that an edge may have.
+    """
     number = np.full(inside.shape, -1, dtype=np.int64)
     number[inside] = np.arange(len(vertices))
     squares = (number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:])  # a b above c d

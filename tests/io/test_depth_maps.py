@@ -21,7 +21,7 @@ def test_sixteen_bits_are_read_whole_and_never_as_srgb(tmp_path):
     for name in ("a.png", "a.npy"):
         distance = read_depth_map(tmp_path / name, "distance", scale=0.001)
         assert distance.dtype == np.float32
-        np.testing.assert_allclose(distance, np.where(STEPS == 0, np.nan, -STEPS / 1000), rtol=1e-7)
+        np.testing.assert_allclose(distance, np.where(STEPS == 0, np.nan, STEPS / -1000), rtol=1e-7)
         height = read_depth_map(tmp_path / name, "height", scale=2.0, invalid=65535)
         np.testing.assert_allclose(height, np.where(STEPS == 65535, np.nan, 2.0 * STEPS), rtol=1e-7)
     assert (read_depth_map(tmp_path / "a.png", "height", invalid=None) == STEPS).all()

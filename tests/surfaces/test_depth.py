@@ -65,3 +65,34 @@ def test_types_albedo_and_mask_are_kept():
 def test_bad_depth_is_refused(arguments, message):
     with pytest.raises(HarmonicFaceError, match=message):
         surface_from_depth(*arguments)
+
+
+@pytest.mark.parametrize("rotation", [0, 30])
+def test_a_step_is_not_smeared(rotation):
+    """Two planes of different slope, one before the other: each keeps its normal up to the edge."""
+    columns = np.tile(np.arange(20.0), (12, 1))
+    near, far = 0.5 * columns + 30, -0.2 * columns
+    edge = columns > 9 if rotation == 0 else columns + np.arange(12)[:, None] > 14
+    surface = surface_from_depth(np.where(edge, near, far), steepest=80)
+    for side, slope in ((edge, 0.5), (~edge, -0.2)):
+        here = side & surface.mask
+        expected = np.array([-slope, 0, 1]) / np.hypot(slope, 1)
+        np.testing.assert_allclose(surface.normals[here], np.tile(expected, (here.sum(), 1)), atol=1e-12)
+    assert surface.mask.sum() >= surface.mask.size - 2  # a corner that a slanted edge cuts off has no neighbour
+    smeared = surface_from_depth(np.where(edge, near, far))
+    assert np.abs(smeared.normals - surface.normals).max() > 0.5
+
+
+def test_a_spike_is_left_outside_where_steps_are_cut_and_kept_where_not():
+    depth = np.zeros((5, 5))
+    depth[2, 2] = 100.0
+    assert surface_from_depth(depth).mask.all()
+    kept = surface_from_depth(depth, steepest=80)
+    assert not kept.mask[2, 2] and kept.mask.sum() == 24
+    np.testing.assert_array_equal(kept.pixel_normals, np.tile([0, 0, 1.0], (24, 1)))
+
+
+@pytest.mark.parametrize("steepest", [0, 91, np.nan, -5])
+def test_angles_out_of_range_are_refused(steepest):
+    with pytest.raises(HarmonicFaceError, match="steepest: expected"):
+        surface_from_depth(np.zeros((3, 3)), steepest=steepest)
