@@ -177,10 +177,12 @@ def test_images_of_a_saved_surface(run: Run, folder: Path) -> None:
     out = folder / "new" / "pictures"
     answer = run("images", folder / "ada.npz", "--out", out)
     assert (answer.code, answer.err) == (0, "")
-    assert answer.out == f"9 pictures and surface.npz are in {out}\n"
+    assert answer.out == f"9 harmonic images, pictures of the surface, surface.npz and surface.html are in {out}\n"
     modes = ["l0_m+0", "l1_m-1", "l1_m+0", "l1_m+1", "l2_m-2", "l2_m-1", "l2_m+0", "l2_m+1", "l2_m+2"]
-    names = [f"harmonic_{number}_{mode}.png" for number, mode in enumerate(modes)]
-    assert sorted(path.name for path in out.iterdir()) == sorted([*names, "surface.npz"])
+    names = [f"harmonic_{number:02d}_{mode}.png" for number, mode in enumerate(modes)]
+    parts = ["normals.png", "albedo.png", "depth.png", "mask.png", "surface.npz", "surface.html"]
+    assert sorted(path.name for path in out.iterdir()) == sorted([*names, *parts])
+    assert "<h1>ada.npz</h1>" in (out / "surface.html").read_text(encoding="utf-8")
     saved = hf.load_surface(out / "surface.npz")
     np.testing.assert_array_equal(saved.normals, ADA.normals)
     np.testing.assert_array_equal(saved.albedo, ADA.albedo)
@@ -196,7 +198,7 @@ def test_images_of_a_saved_surface(run: Run, folder: Path) -> None:
 def test_images_of_a_mesh(run: Run, folder: Path) -> None:
     out = folder / "pictures"
     answer = run("images", folder / "wedge.obj", "--out", out, "--order", 1, "--size", 32, "--frame=-2,-2,2,2")
-    assert answer.out == f"4 pictures and surface.npz are in {out}\n"
+    assert answer.out.startswith("4 harmonic images, ")
     surface = hf.load_surface(out / "surface.npz")
     assert surface.shape == (32, 32)
     np.testing.assert_allclose(surface.mask.mean(), 0.25, atol=0.02)
@@ -208,10 +210,22 @@ def test_images_of_a_mesh(run: Run, folder: Path) -> None:
     assert hf.load_surface(out / "surface.npz").mask[16, 26]  # within the corner that was turned there
 
 
+@pytest.mark.parametrize(("options", "bounces"), [(["--shadows"], 0), (["--bounces", 1], 1)])
+def test_images_with_shadows(run: Run, folder: Path, options: list[object], bounces: int) -> None:
+    out = folder / "pictures"
+    answer = run("images", folder / "ada.npz", "--out", out, "--order", 1, *options)
+    assert (answer.code, answer.err) == (0, "")
+    saved = hf.load_surface(out / "surface.npz")
+    expected = hf.harmonic_images(ADA, 1, shadows=True, bounces=bounces)
+    np.testing.assert_allclose(hf.harmonic_images(saved, 1, bounces=bounces, shadows=True), expected, atol=1e-6)
+    assert bounces in saved.transports
+    assert (out / "ambient_occlusion.png").exists()
+
+
 def test_images_of_a_black_surface_are_white(run: Run, folder: Path) -> None:
     hf.Surface(ADA.normals, np.zeros_like(ADA.albedo), ADA.mask).save(folder / "black.npz")
     assert run("images", folder / "black.npz", "--out", folder / "pictures").err == ""
-    shown = np.asarray(Image.open(folder / "pictures" / "harmonic_0_l0_m+0.png"))
+    shown = np.asarray(Image.open(folder / "pictures" / "harmonic_00_l0_m+0.png"))
     assert shown[ADA.mask].min() > 240
 
 
@@ -233,6 +247,7 @@ def test_images_of_a_black_surface_are_white(run: Run, folder: Path) -> None:
         (["ada.npz", "--size", "32"], "expected no view of a saved Surface, got size"),
         (["ada.npz", "--rotation", "0,0,0"], "expected no view of a saved Surface, got rotation"),
         (["ada.npz", "--order", "-1"], "order: expected an integer of at least 0, got int -1"),
+        (["ada.npz", "--bounces", "-1"], "bounces: expected an integer of at least 0, got int -1"),
     ],
 )
 def test_images_of_what_is_no_surface(

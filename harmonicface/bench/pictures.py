@@ -28,7 +28,7 @@ EXAMPLES = 4
 
 def lights_picture(result: BenchmarkResult) -> bytes:
     """Draw white balls under lights of each tier, beside the photographs that they make."""
-    ball = _ball(96)
+    ball = white_ball(96)
     figure, axes = _grid(len(result.asked), 2 * EXAMPLES, 1.05)
     for row, (tier, queries) in zip(axes, result.asked.items(), strict=True):
         row[0].set_ylabel(tier, rotation=0, ha="right", va="center", color=INK, fontsize=10)
@@ -108,8 +108,8 @@ def _explain(row: Sequence[matplotlib.axes.Axes], result: BenchmarkResult, query
         row[column + 1].imshow(signed_colours(residual, np.ones(residual.shape, np.bool_), 0.15))
 
 
-def _ball(size: int) -> Surface:
-    """Return a white ball."""
+def white_ball(size: int) -> Surface:
+    """Return a white ball in front of nothing."""
     across = (np.arange(size) + 0.5) / size * 2 - 1
     x, y = np.meshgrid(across, -across)
     squared = 1 - x**2 - y**2

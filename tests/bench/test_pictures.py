@@ -46,7 +46,7 @@ def test_a_method_is_a_point(small_run: BenchmarkResult) -> None:
 
 
 def test_the_ball_is_round_and_faces_the_camera() -> None:
-    ball = pictures._ball(40)
+    ball = pictures.white_ball(40)
     assert_allclose(ball.mask.mean(), np.pi / 4, atol=0.01)
     assert_allclose(np.linalg.norm(ball.pixel_normals, axis=1), 1, rtol=1e-12)
     assert ball.normals[3, 20, 1] > 0.7  # row 0 is up
