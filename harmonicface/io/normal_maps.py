@@ -18,15 +18,21 @@ from harmonicface.io.pixels import read_pixels
 SHORTEST, LONGEST = 0.5, 1.2  # of a stored normal: filtering shortens it, rounding changes it by a percent
 
 
-def read_normal_map(path: str | os.PathLike[str]) -> NDArray[np.float32]:
+GREENS = ("up", "down")
+
+
+def read_normal_map(path: str | os.PathLike[str], green: str = "up") -> NDArray[np.float32]:
     """Return the normals of a picture, n = 2 rgb - 1 scaled to unit length.
 
     Parameters
     ----------
     path
-        An RGB image with 8 or 16 bits or floats of 0 to 1, read linearly: red is x to the right, green y up, blue z
+        An RGB image with 8 or 16 bits or floats of 0 to 1, read linearly: red is x to the right, green y, blue z
         toward the camera. Black and middle grey mean that there is no surface. An .npy file holds (h, w, 3) vectors
         themselves, with zero vectors where there is no surface.
+    green
+        Which way green (y) points in the file: "up" as OpenGL has it, the default, or "down" as DirectX does. The
+        normals that are returned have y up in either case.
 
     Returns
     -------
@@ -35,8 +41,8 @@ def read_normal_map(path: str | os.PathLike[str]) -> NDArray[np.float32]:
     Raises
     ------
     HarmonicFaceError
-        A file that cannot be read, a grey image, or colours that are no normals (their vector's length is not
-        between 0.5 and 1.2).
+        A file that cannot be read, a grey image, colours that are no normals (their vector's length is not between
+        0.5 and 1.2), or another word for green.
 
     Examples
     --------
@@ -46,6 +52,7 @@ def read_normal_map(path: str | os.PathLike[str]) -> NDArray[np.float32]:
     >>> read_normal_map(path).round(4) + 0.0
     array([[[0. , 0.6, 0.8], [0. , 0. , 0. ]]], dtype=float32)
     """
+    upward = green_sign(green)
     values = read_pixels(path).values
     if values.ndim != 3:
         raise HarmonicFaceError(f"{path}: expected an RGB normal map, got {_validate.describe(values)}")
@@ -59,6 +66,7 @@ def read_normal_map(path: str | os.PathLike[str]) -> NDArray[np.float32]:
         vectors = 2 * stored - 1
         nothing = ~stored.any(axis=2) | (np.abs(vectors).max(axis=2) < 0.01)
     vectors[nothing] = 0
+    vectors[..., 1] *= upward
     length = np.linalg.norm(vectors, axis=2)
     odd = ~nothing & ((length < SHORTEST) | (length > LONGEST))
     if odd.any():
@@ -66,7 +74,25 @@ def read_normal_map(path: str | os.PathLike[str]) -> NDArray[np.float32]:
             f"{path}: expected normals of about unit length, got {int(odd.sum())} others (length {length[odd][0]:.3g})"
         )
     length[nothing] = 1
-    return np.asarray(vectors / length[..., None], dtype=np.float32)
+    return np.asarray(vectors / length[..., None], dtype=np.float32) + np.float32(0.0)  # no negative zeros
+
+
+def green_sign(green: str) -> float:
+    """Return what the second component of stored normals has to be multiplied by: 1.0 for "up", -1.0 for "down".
+
+    Raises
+    ------
+    HarmonicFaceError
+        Another word.
+
+    Examples
+    --------
+    >>> green_sign("down")
+    -1.0
+    """
+    if green not in GREENS:
+        raise HarmonicFaceError(f"green: expected 'up' (OpenGL) or 'down' (DirectX), got {green!r}")
+    return 1.0 if green == "up" else -1.0
 
 
 def write_normal_map(path: str | os.PathLike[str], normals: ArrayLike) -> None:

@@ -130,8 +130,8 @@ def _of_a_pinhole(heights: Floats, inside: Mask, albedo: Floats, intrinsics: Int
     colours = np.broadcast_to(surface.pixel_albedo.reshape(len(used), -1), (len(used), 3)).astype(np.float64)
     wears = np.full(len(faces), -1)
     mesh = Mesh(places[seen], np.searchsorted(used, faces), normals[seen].astype(np.float64), None, (), wears, colours)
-    object.__setattr__(surface, "scene", Scene(mesh, view))
-    return surface
+    arrays = (surface.normals, surface.albedo, seen, surface.depth, surface.pixel_size)
+    return Surface(*arrays, scene=Scene(mesh, view))
 
 
 def _checked(depth: ArrayLike, mask: Mask | None) -> tuple[Floats, Mask]:

@@ -35,6 +35,18 @@ def test_eight_bits_are_scaled_to_unit_length(tmp_path, normals):
     assert (back[~inside] == 0).all()  # middle grey means no surface, like black
 
 
+@pytest.mark.parametrize("name", ["a.png", "a.npy"])
+def test_green_may_point_down(tmp_path, normals, name):
+    if name == "a.png":
+        write_normal_map(tmp_path / name, normals)
+    else:
+        np.save(tmp_path / name, normals)
+    back = read_normal_map(tmp_path / name, green="down")
+    np.testing.assert_allclose(back, normals * [1, -1, 1], atol=2.0 / 65535)
+    with pytest.raises(HarmonicFaceError, match=r"green: expected 'up' .* got 'sideways'"):
+        read_normal_map(tmp_path / name, green="sideways")
+
+
 def test_an_npy_file_holds_the_vectors_themselves(tmp_path, normals):
     np.save(tmp_path / "a.npy", normals)
     np.testing.assert_allclose(read_normal_map(tmp_path / "a.npy"), normals, atol=1e-7)

@@ -51,6 +51,8 @@ def test_a_saved_surface_is_loaded_as_it_is(ball, tmp_path):
         {"flip_texture": True},
         {"rotation": (0, 0, 0)},
         {"frame": (0, 0, 1, 1)},
+        {"intrinsics": (9, 9, 4, 4)},
+        {"distance": 3.0},
         {"supersample": 1},
     ],
 )
@@ -83,6 +85,44 @@ def test_normal_and_albedo_pictures_make_a_surface(tmp_path):
     mask = np.zeros((6, 5), dtype=bool)
     mask[2, 3] = True
     assert surface_from_normals(normals, albedo, mask=mask).pixel_albedo == albedo[2, 3]
+
+
+def test_green_points_up_or_down_by_name(tmp_path):
+    normals = np.tile([0.0, 0.6, 0.8], (6, 5, 1))
+    write_normal_map(tmp_path / "down.png", normals * [1, -1, 1])
+    seen = surface_from_normals(tmp_path / "down.png", green="down")
+    np.testing.assert_allclose(seen.normals, normals, atol=1e-4)
+    np.testing.assert_array_equal(surface_from_normals(normals * [1, -1, 1], green="down").normals, normals)
+    for source in (normals, tmp_path / "down.png"):
+        with pytest.raises(
+            HarmonicFaceError, match=r"green: expected 'up' \(OpenGL\) or 'down' \(DirectX\), got 'left'"
+        ):
+            surface_from_normals(source, green="left")
+
+
+def test_a_mesh_is_seen_by_a_pinhole_if_it_has_intrinsics(ball):
+    surface = load_surface(ball, 16, intrinsics=(40, 40, 8, 8), distance=6.0)
+    assert surface.depth[8, 8] == pytest.approx(-5, abs=0.05)
+    assert surface.pixel_size == pytest.approx(-surface.depth[surface.mask].mean() / 40)
+    assert load_surface(ball, 16, intrinsics=(40, 40, 8, 8)).mask[0].any()  # fills the picture
+    with pytest.raises(HarmonicFaceError, match=r"ball\.glb: intrinsics: expected a part of the mesh in view"):
+        load_surface(ball, 16, intrinsics=(40, 40, 500, 8), distance=6.0)
+
+
+def test_points_are_loaded_like_meshes(tmp_path):
+    sphere = np.asarray(trimesh.creation.icosphere(4).vertices)
+    np.save(tmp_path / "a.npy", np.hstack([sphere, sphere]))
+    np.savetxt(tmp_path / "a.xyz", np.hstack([sphere, sphere]))
+    for name in ("a.npy", "a.xyz"):
+        surface = load_surface(tmp_path / name, 24, rotation=(10, 0, 0), frame=(-1, -1, 1, 1))
+        assert surface.normals[12, 12] @ [0.04, -0.04, 1] > 0.99
+    assert load_surface(tmp_path / "a.npy").shape == (64, 64)
+    with pytest.raises(
+        HarmonicFaceError, match="expected size, rotation and frame of points at most, got texture, dis"
+    ):
+        load_surface(tmp_path / "a.npy", texture="map.png", distance=2.0)
+    with pytest.raises(HarmonicFaceError, match=r"a\.npy: frame: expected some of the points in view"):
+        load_surface(tmp_path / "a.npy", frame=(5, 5, 6, 6))
 
 
 def test_pictures_that_do_not_fit_are_refused(tmp_path):
