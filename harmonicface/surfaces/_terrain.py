@@ -1,82 +1,119 @@
-"""Terrain: heights in pixels on a grid, and how steeply one must look up along an azimuth to see past them."""
+"""Terrain: heights in pixels on a grid, and how steeply one must look up along a direction to see past them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
+from harmonicface.errors import HarmonicFaceError
 
 Doubles = NDArray[np.float64]
+Rectangle = tuple[slice, slice]
 
 BAND = 1 << 14  # pixels whose horizons are raised together: a few arrays of 128 KB, which stay in the cache
+SPACING = 1 / 16  # of the distance: how far apart a line of sight is looked at, and no closer than row by row
 CHASM = -1e30  # relative to the relief: what a line between a pixel and a hole falls to
 FREE = 1e15  # relative to the relief: slopes below minus this come from holes alone
+TALLEST = 1e150  # pixels: chasms below it are still numbers
 ON_THE_GRID = 1e-9  # pixels: lines that pass a pixel's centre this closely pass through it
 
 
 @dataclass(frozen=True, eq=False)
 class Terrain:
-    """Heights in units of the pixel size, of order one above the lowest, and far below it where there is no surface."""
+    """Heights above the lowest in units of the pixel size, and a chasm where there is no surface."""
 
     heights: Doubles
     rises: Doubles  # to the right neighbour, (h, w - 1)
-    relief: float
+    relief: float  # the largest height, at least 1
 
     @classmethod
     def of(cls, depth: Floats, mask: NDArray[np.bool_], pixel_size: float) -> Terrain:
         """Return the terrain of a depth map that is finite inside the mask."""
-        lowest, highest = float(depth[mask].min()), float(depth[mask].max())
-        relief = max((highest - lowest) / pixel_size, 1.0)
-        heights = np.full(mask.shape, CHASM * relief)
-        heights[mask] = (depth[mask].astype(np.float64) - lowest) / pixel_size
+        inside = depth[mask]
+        lowest = float(inside.min())
+        relief = max(float(inside.max()) / pixel_size - lowest / pixel_size, 1.0)
+        if not relief < TALLEST:
+            raise HarmonicFaceError(
+                f"depth: expected less than {TALLEST:g} pixels from back to front, got {relief:.4g}"
+            )
+        heights = np.subtract(depth, lowest, dtype=np.float64, order="C")
+        heights /= pixel_size
+        heights[~mask] = CHASM * relief
         return cls(heights, np.diff(heights, axis=1), relief)
 
-    @property
-    def transposed(self) -> Terrain:
-        """The terrain with rows and columns exchanged."""
-        heights = np.ascontiguousarray(self.heights.T)
-        return Terrain(heights, np.diff(heights, axis=1), self.relief)
-
     def raise_slopes(self, slopes: Doubles, down: float, right: float) -> None:
-        """Raise the slopes (h, w) to what is seen past along a direction that advances more in rows than in columns.
+        """Raise slopes (h, w) to what is seen past along a direction that advances at least as much down as right.
 
         The surface between two neighbouring pixels of a row is the straight line, and the line of sight is compared
-        with it wherever it crosses a row.
+        with it where it crosses a row: every row near by, fewer in the distance. Minus infinity is a slope from
+        which everything is seen, and infinity asks for none.
         """
         height, width = self.heights.shape
-        sign, shift, length = (1 if down > 0 else -1), right / abs(down), 1 / abs(down)
-        last = min(height - 1, math.floor((width - 1) / abs(shift)) if shift * (height - 1) else height - 1)
+        sign, shift, length = (1 if down > 0 else -1), right / abs(down), math.hypot(down, right) / abs(down)
+        last = height - 1 if abs(shift) * (height - 1) < width else math.floor((width - 1) / abs(shift))
+        ahead = self._highest_ahead(sign)
         size = max(1, BAND // width)
         scratch = np.empty((size, width))
         for first in range(0, height, size):
-            band = slice(first, min(first + size, height))
-            for step in range(1, last + 1):
-                low, high = max(band.start, -sign * step), min(band.stop, height - sign * step)
-                if low >= high:
+            box = (slice(first, min(first + size, height)), slice(0, width))
+            for octave in octaves(last):
+                box = self._still_blocked(slopes, box, ahead, sign * octave[0], octave[0] * length)
+                if box[0].start >= box[0].stop:
                     break
-                self._raise(slopes, slice(low, high), sign * step, step * shift, 1 / (step * length), scratch)
+                for step in octave:
+                    self._raise(slopes, box, sign * step, step * shift, 1 / (step * length), scratch)
 
-    def _raise(self, slopes: Doubles, rows: slice, down: int, right: float, per_pixel: float, scratch: Doubles) -> None:
-        """Raise the slopes of some rows by what stands so many rows and columns away."""
+    def _highest_ahead(self, sign: int) -> Doubles:
+        """Return the greatest height in each row or beyond it."""
+        rows = self.heights.max(axis=1)[::-sign]
+        return np.asarray(np.maximum.accumulate(rows)[::-sign])
+
+    def _still_blocked(self, slopes: Doubles, box: Rectangle, ahead: Doubles, down: int, distance: float) -> Rectangle:
+        """Return the part of a box whose slopes may be raised by what is at least so many rows and so far away."""
+        rows, columns = box
+        rows = slice(max(rows.start, -down), max(min(rows.stop, len(ahead) - down), 0))
+        if rows.start >= rows.stop:
+            return slice(0, 0), columns
+        here = (rows, columns)
+        highest = ahead[rows.start + down : rows.stop + down, None]
+        blocked = np.asarray(highest - self.heights[here] > slopes[here] * distance)
+        return _shrunk(rows, blocked, 1), _shrunk(columns, blocked, 0)
+
+    def _raise(
+        self, slopes: Doubles, box: Rectangle, down: int, right: float, per_pixel: float, scratch: Doubles
+    ) -> None:
+        """Raise the slopes of a box by what stands so many rows and columns away."""
         whole = math.floor(right + ON_THE_GRID)
-        part = max(right - whole, 0.0)
-        part = 0.0 if part < ON_THE_GRID else part
-        width = slopes.shape[1]
-        first, last = max(0, -whole), min(width, width - whole - (part > 0))
-        if first >= last:
+        part = right - whole if right - whole > ON_THE_GRID else 0.0
+        height, width = slopes.shape
+        rows = slice(max(box[0].start, -down), min(box[0].stop, height - down))
+        columns = slice(max(box[1].start, -whole), min(box[1].stop, width - whole - (part > 0)))
+        if rows.start >= rows.stop or columns.start >= columns.stop:
             return
-        here = (rows, slice(first, last))
-        there = (slice(rows.start + down, rows.stop + down), slice(first + whole, last + whole))
-        rise = scratch[: rows.stop - rows.start, : last - first]
-        if part:
-            np.multiply(self.rises[there], part, out=rise)
-            np.add(rise, self.heights[there], out=rise)
-            np.subtract(rise, self.heights[here], out=rise)
-        else:
-            np.subtract(self.heights[there], self.heights[here], out=rise)
-        np.multiply(rise, per_pixel, out=rise)
-        np.maximum(slopes[here], rise, out=slopes[here])
+        here = (rows, columns)
+        there = (slice(rows.start + down, rows.stop + down), slice(columns.start + whole, columns.stop + whole))
+        own, rise = self.heights[here], scratch[: rows.stop - rows.start, : columns.stop - columns.start]
+        other = cv2.scaleAdd(self.rises[there], part, self.heights[there], rise) if part else self.heights[there]
+        cv2.addWeighted(other, per_pixel, own, -per_pixel, 0.0, rise)
+        cv2.max(slopes[here], rise, slopes[here])  # three passes over each block, where arrays would take five
+
+
+def octaves(last: int) -> Iterator[range]:
+    """Yield the steps 1 to `last` at which lines of sight are looked at, an octave of distances after the other."""
+    first = 1
+    while first <= last:
+        spacing = max(1, int(first * SPACING))
+        yield range(first, min(2 * first - 1, last) + 1, spacing)
+        first *= 2
+
+
+def _shrunk(span: slice, wanted: NDArray[np.bool_], across: int) -> slice:
+    """Return the part of a span from the first to the last that is wanted anywhere across it."""
+    found = np.flatnonzero(wanted.any(axis=across))
+    return slice(span.start + int(found[0]), span.start + int(found[-1]) + 1) if found.size else slice(0, 0)

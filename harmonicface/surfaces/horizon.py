@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _memory, _validate
+from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.surfaces._hidden_light import VERTICAL, hidden_range
 from harmonicface.surfaces._terrain import FREE, Terrain
 
 Doubles = NDArray[np.float64]
@@ -21,9 +23,10 @@ def horizons(depth: ArrayLike, mask: ArrayLike | None, pixel_size: float, azimut
     .. math:: h(x, \phi) = \max_{s > 0} \arctan \frac{z(x + s (\cos\phi, \sin\phi)) - z(x)}{s}
 
     (Max, Horizon mapping: shadows for bump-mapped surfaces, 1988). The surface is solid below its depth, and between
-    two neighbouring pixels it is the straight line; each line of sight is compared with it wherever it crosses a row
-    or, where it advances more from column to column, a column of pixels. Outside the mask nothing blocks, and nothing
-    spans the gap between a pixel and a hole.
+    two neighbouring pixels it is the straight line; a line of sight is compared with it where it crosses rows or, where
+    it advances more from column to column, columns of pixels: each of them up to 32 away, and farther off at
+    distances that differ by no more than a 16th. Outside the mask nothing blocks, and nothing spans the gap between a
+    pixel and a hole.
 
     Parameters
     ----------
@@ -45,8 +48,8 @@ def horizons(depth: ArrayLike, mask: ArrayLike | None, pixel_size: float, azimut
     Raises
     ------
     HarmonicFaceError
-        Arrays of another shape, depth that is not finite inside the mask, an empty mask, angles that are not finite,
-        a result larger than the memory.
+        Arrays of another shape, depth that is not finite inside the mask or of more than 1e150 pixels, an empty mask,
+        angles that are not finite, a result larger than the memory.
 
     Examples
     --------
@@ -63,24 +66,42 @@ def horizons(depth: ArrayLike, mask: ArrayLike | None, pixel_size: float, azimut
     angles = np.atleast_1d(_validate.finite(azimuths, "azimuths")).astype(np.float64)
     if angles.ndim != 1:
         raise HarmonicFaceError(f"azimuths: expected shape (a,), got {_validate.describe(angles)}")
-    terrain = Terrain.of(heights, inside, _validate.positive(pixel_size, "pixel_size"))
+    step = _validate.positive(pixel_size, "pixel_size")
     count = int(inside.sum())
     result = _memory.empty((len(angles), count), np.float64, f"horizons of {count} pixels at {len(angles)} azimuths")
-    for row, slopes in zip(result, horizon_slopes(terrain, angles), strict=True):
-        row[:] = np.arctan(np.where(slopes < -FREE * terrain.relief, -np.inf, slopes)[inside])
+    for number, slopes in horizon_slopes(heights, inside, step, angles):
+        result[number] = np.arctan(slopes)
     return result
 
 
-def horizon_slopes(terrain: Terrain, azimuths: Doubles, floor: Iterator[Doubles] | None = None) -> Iterator[Doubles]:
-    """Yield the tangents of the horizons (h, w), one azimuth after the other; not below a floor if there is one."""
-    turned = terrain.transposed
-    for azimuth in azimuths:
-        down, right = -math.sin(azimuth), math.cos(azimuth)
-        slopes = np.full(terrain.heights.shape, -np.inf) if floor is None else next(floor)
-        if abs(down) >= abs(right):
-            terrain.raise_slopes(slopes, down, right)
-            yield slopes
-        else:
-            sideways = np.ascontiguousarray(slopes.T)
-            turned.raise_slopes(sideways, right, down)
-            yield sideways.T
+def horizon_slopes(
+    depth: Floats, mask: NDArray[np.bool_], pixel_size: float, azimuths: Doubles, normals: Floats | None = None
+) -> Iterator[tuple[int, Doubles]]:
+    """Yield the number of an azimuth and the tangents of the horizons there (p,), in any order of azimuths.
+
+    With normals (p, 3), tangents are at least those of the pixel's own tangent plane, below which there is nothing to
+    hide, or minus VERTICAL where the normal points away from the camera.
+    """
+    rows, columns = (slice(found.min(), found.max() + 1) for found in np.nonzero(mask))
+    depth, mask = depth[rows, columns], mask[rows, columns]
+    down, right = -np.sin(azimuths), np.cos(azimuths)
+    along_rows = np.abs(down) < np.abs(right)
+    for turned in (False, True):
+        inside = mask.T if turned else mask
+        terrain = Terrain.of(depth.T if turned else depth, inside, pixel_size)
+        slopes = np.empty(inside.shape)
+        native = slopes.T if turned else slopes
+        for number in np.flatnonzero(along_rows == turned):
+            steps = (right[number], down[number]) if turned else (down[number], right[number])
+            slopes.fill(np.inf)
+            native[mask] = -np.inf if normals is None else tangent_plane(normals, azimuths[number])
+            terrain.raise_slopes(slopes, *steps)
+            found = native[mask]
+            found[found < -FREE * terrain.relief] = -np.inf
+            yield int(number), found
+
+
+def tangent_plane(normals: Floats, azimuth: float) -> Doubles:
+    """Return the slopes of the planes with some normals (p, 3) along an azimuth; minus VERTICAL seen from below."""
+    horizontal = normals[:, :2].astype(np.float64) @ np.array([math.cos(azimuth), math.sin(azimuth)])
+    return hidden_range(horizontal, normals[:, 2], np.array(-VERTICAL))[0]
