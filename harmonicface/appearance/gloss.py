@@ -59,7 +59,7 @@ def gloss(
         (`Material.highest_degree`). Discs are always summed that way.
     shadows
         Light is also kept from the coat. Without an order lamp by lamp, exactly; other light is multiplied with the
-        share of 64 rays through the lobe that are open, each weighted with the light from there if that is a map. By
+        share of 96 rays through the lobe that are open, each weighted with the light from there if that is a map. By
         harmonics, it is multiplied with the share that the transport of this order tells (`open_share`).
 
     Returns

@@ -19,7 +19,7 @@ from harmonicface.surfaces.transfer import transport
 
 Doubles = NDArray[np.float64]
 
-RAYS = 64  # in the lobe of a pixel
+RAYS = 96  # in the lobe of a pixel
 ANGLES = 4096  # at which a lobe is tabulated
 GOLDEN = np.pi * (3 - np.sqrt(5))
 
