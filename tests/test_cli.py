@@ -232,7 +232,7 @@ def test_images_of_a_black_surface_are_white(run: Run, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["ada0.png"], "expected a mesh (.glb .obj .ply .stl) or a saved Surface (.npz), got the ending '.png'"),
+        (["ada0.png"], "expected a mesh (.glb .obj .ply .stl), points with normals"),
         (["other.npz"], "expected a saved Surface, got a file without"),
         (["text.npz"], "expected a saved Surface, got no file"),
         (["none.obj"], "expected a mesh"),

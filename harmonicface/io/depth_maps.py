@@ -72,7 +72,7 @@ def read_depth_map(
     if kind == "distance" and measured.min() < 0:
         raise HarmonicFaceError(f"{path}: expected distances of at least 0, got {measured.min():.6g}")
     dtype = np.float64 if stored.dtype == np.float64 else np.float32
-    with np.errstate(over="ignore"):  # what is beyond float32 becomes infinite and is refused
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond float32 is infinite and refused; some NaN signal
         depth: Floats = (stored.astype(np.float64) * (-unit if kind == "distance" else unit)).astype(dtype)
     depth[nothing] = np.nan
     if not np.isfinite(depth[~nothing]).all():

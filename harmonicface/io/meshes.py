@@ -22,6 +22,7 @@ from harmonicface.io._mesh_colours import check_textures, read_colours
 from harmonicface.io.images import read_image
 from harmonicface.io.vertex_normals import vertex_normals
 
+LARGEST = 1e60  # beyond it the squares of areas overflow
 ENDINGS = (".glb", ".obj", ".ply", ".stl")
 
 Doubles = NDArray[np.float64]
@@ -211,6 +212,8 @@ def _normals(vertices: Doubles, faces: NDArray[np.int64], given: Doubles | None)
 def _check(vertices: Doubles, faces: NDArray[np.int64]) -> None:
     if not np.isfinite(vertices).all():
         raise HarmonicFaceError(f"expected finite vertices, got {int((~np.isfinite(vertices)).any(axis=1).sum())} NaN")
+    if np.abs(vertices).max(initial=0.0) > LARGEST:
+        raise HarmonicFaceError(f"expected vertices within {LARGEST:g}, got {np.abs(vertices).max():.3g}")
     if faces.ndim != 2 or faces.shape[1] != 3 or faces.min() < 0 or faces.max() >= len(vertices):
         raise HarmonicFaceError(
             f"expected triangles of vertices 0 to {len(vertices) - 1}, got indices {faces.min()} to {faces.max()}"

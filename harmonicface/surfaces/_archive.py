@@ -24,6 +24,6 @@ def read_archive(file: Path) -> dict[str, NDArray[Any]]:
     except FileNotFoundError:
         raise HarmonicFaceError(f"expected a saved Surface, got no file {file}") from None
     except Exception as error:  # of a broken archive zipfile and numpy raise nearly anything
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
         raise HarmonicFaceError(f"{file}: expected a saved Surface, got a file that is none: {reason}") from None
     return found

@@ -13,6 +13,7 @@ from harmonicface import _validate
 from harmonicface._memory import require
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.io.meshes import LARGEST
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.view import View
 
@@ -156,6 +157,8 @@ def _checked(points: ArrayLike, normals: ArrayLike, albedo: ArrayLike | None) ->
     positions = _validate.vectors(points, "points").astype(np.float64, copy=False)
     if positions.ndim != 2 or len(positions) < 2:
         raise HarmonicFaceError(f"points: expected shape (n, 3) with n of at least 2, got {positions.shape}")
+    if np.abs(positions).max() > LARGEST:
+        raise HarmonicFaceError(f"points: expected positions within {LARGEST:g}, got {np.abs(positions).max():.3g}")
     directions = _validate.unit_normals(normals, "normals").astype(np.float64)
     if directions.shape != positions.shape:
         raise HarmonicFaceError(f"normals: expected shape {positions.shape}, got {directions.shape}")

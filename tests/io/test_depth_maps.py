@@ -80,3 +80,10 @@ def test_bad_depth_maps_are_refused(tmp_path, array, arguments, message):
 def test_missing_files_are_refused(tmp_path):
     with pytest.raises(HarmonicFaceError, match="No such file"):
         read_depth_map(tmp_path / "none.png", "height")
+
+
+def test_a_signalling_nan_is_a_hole_without_a_warning(tmp_path):
+    array = np.array([[1.0, 2.0]], dtype=np.float32)
+    array.view(np.uint32)[0, 1] = 0x7F800001
+    np.save(tmp_path / "a.npy", array)
+    np.testing.assert_array_equal(read_depth_map(tmp_path / "a.npy", "distance"), [[-1, np.nan]])

@@ -147,6 +147,7 @@ def test_the_points_of_a_scan_look_like_its_mesh(data_dir):
         ((np.zeros((2, 2)), [UP, UP]), "points: expected vectors"),
         ((np.zeros((2, 3)), [UP, UP]), "expected some extent"),
         (([[0, 0, 0], [1, 1, np.nan]], [UP, UP]), "points: expected finite"),
+        (([[0, 0, 0], [1, 1, 1e200]], [UP, UP]), r"points: expected positions within 1e\+60, got 1e\+200"),
         (([[0, 0, 0], [1, 1, 1]], [UP]), "normals: expected shape"),
         (([[0, 0, 0], [1, 1, 1]], [UP, [0, 0, 2]]), "normals: expected unit vectors"),
         (([[0, 0, 0], [1, 1, 1]], [UP, UP], [1.0]), "albedo: expected shape"),
