@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.appearance.colours import colourwise
 from harmonicface.appearance.gloss import gloss
 from harmonicface.appearance.irradiance import surface_irradiance
 from harmonicface.appearance.shadows import shadowed_radiosity
+from harmonicface.errors import HarmonicFaceError
 from harmonicface.lighting.as_light import LightLike, as_light
 from harmonicface.lighting.light import Light
 from harmonicface.reflectance.materials import Material
@@ -54,7 +56,8 @@ def render(
     Raises
     ------
     HarmonicFaceError
-        No light, no material, a negative order or count of bounces, shadows of a Surface with neither depth nor scene.
+        No Surface, no light, no material, a negative order or count of bounces, shadows of a Surface with neither depth
+        nor scene.
 
     Examples
     --------
@@ -63,6 +66,8 @@ def render(
     >>> hf.render(wall, hf.lights.directional([0.0, 0.6, 0.8]))
     array([[0.4, 0.4]])
     """
+    if not isinstance(surface, Surface):
+        raise HarmonicFaceError(f"surface: expected a Surface, got {_validate.describe(surface)}")
     source = as_light(light)
     pixels = _matte(surface, source, order, shadows, bounces)
     if material is not None:

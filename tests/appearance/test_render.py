@@ -79,3 +79,74 @@ def test_single_precision_stays_single() -> None:
 def test_no_order() -> None:
     with pytest.raises(hf.HarmonicFaceError, match="order: expected an integer of at least 0"):
         hf.render(hf.Surface(NORMALS, GREY, MASK), hf.lights.ambient(1), order=-1)
+
+
+DEPTH = RNG.uniform(0, 2, (6, 5))
+HOLLOW = hf.Surface(NORMALS * np.sign(NORMALS[..., 2:]), GREY, MASK, DEPTH)
+TINTED = hf.Surface(HOLLOW.normals, COLOUR, MASK, DEPTH)
+SKY = hf.lights.natural(1, size=4)
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("grace", hf.lights.published("grace")),
+        ([1, 2, 3], hf.lights.directional([1, 2, 3])),
+        (SKY.coefficients(2), hf.HarmonicLight(SKY.coefficients(2))),
+        (["grace", [1, 2, 3]], hf.lights.published("grace") + hf.lights.directional([1, 2, 3])),
+    ],
+    ids=["name", "direction", "coefficients", "list"],
+)
+def test_whatever_is_a_light(given: object, meant: hf.Light) -> None:
+    assert_allclose(hf.render(HOLLOW, given), hf.render(HOLLOW, meant), rtol=0)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize("settings", [{}, {"shadows": True}, {"bounces": 1}], ids=repr)
+def test_harmonic_pictures_are_sums_of_harmonic_images(order: int, settings: dict[str, int]) -> None:
+    expected = SKY.grey().coefficients(order) @ hf.harmonic_images(HOLLOW, order, **settings)  # type: ignore[arg-type]
+    found = hf.render(HOLLOW, SKY.grey(), order=order, **settings)  # type: ignore[arg-type]
+    assert_allclose(found[MASK], expected, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("settings", [{"shadows": True}, {"shadows": True, "order": 2}, {"bounces": 1, "order": 2}])
+@pytest.mark.parametrize("surface", [HOLLOW, TINTED], ids=["grey surface", "coloured surface"])
+def test_colours_are_lit_one_by_one(surface: hf.Surface, settings: dict[str, int]) -> None:
+    colours = hf.lights.directional([1, 1, 1], [1, 0.5, 0.25]) + hf.lights.directional([-1, 0, 1], [0.1, 0.2, 0.8])
+    found = hf.render(surface, colours, **settings)  # type: ignore[arg-type]
+    for channel, (first, second) in enumerate([(1, 0.1), (0.5, 0.2), (0.25, 0.8)]):
+        grey = hf.lights.directional([1, 1, 1], first) + hf.lights.directional([-1, 0, 1], second)
+        albedo = surface.albedo if surface.albedo.ndim == 2 else surface.albedo[..., channel]
+        alone = hf.render(hf.Surface(surface.normals, albedo, MASK, DEPTH), grey, **settings)  # type: ignore[arg-type]
+        assert_allclose(found[..., channel], alone, rtol=1e-5, atol=1e-6)
+
+
+def test_shadows_only_take_light_away() -> None:
+    free, shadowed = (hf.render(HOLLOW, [1, 1, 0.3], shadows=shadows) for shadows in (False, True))
+    assert (shadowed <= free * (1 + 1e-6)).all()
+    assert (shadowed < free).any()
+
+
+def test_light_thrown_back_implies_shadows() -> None:
+    white = hf.lights.ambient(1.0)
+    assert_allclose(
+        hf.render(HOLLOW, white, order=2, bounces=1), hf.render(HOLLOW, white, order=2, bounces=1, shadows=True), rtol=0
+    )
+    assert (hf.render(HOLLOW, white, order=2, bounces=1) != hf.render(HOLLOW, white, order=2)).any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"light": "noon"}, "light: expected one of 'grace'"),
+        ({"material": "wet"}, "material: expected Phong or Microfacet, got str"),
+        ({"bounces": -1}, "bounces: expected an integer of at least 0"),
+        ({"bounces": -1, "order": 2}, "bounces: expected an integer of at least 0"),
+        ({"surface": hf.Surface(NORMALS, GREY, MASK), "shadows": True}, "surface: expected .* got"),
+        ({"surface": hf.Surface(NORMALS, GREY, MASK), "shadows": True, "order": 2}, "surface: expected depth"),
+        ({"surface": NORMALS}, "surface: expected a Surface, got an array"),
+    ],
+)
+def test_what_cannot_be_shown(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(hf.HarmonicFaceError, match=message):
+        hf.render(**({"surface": HOLLOW, "light": SKY} | arguments))  # type: ignore[arg-type]
