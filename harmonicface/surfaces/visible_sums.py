@@ -130,7 +130,7 @@ def sphere_directions(sets: int, count: int) -> Doubles:
     around = 2 * np.pi * index / GOLDEN
     radius = np.sqrt(1 - height**2)
     lattice = np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=1)
-    turns = Rotation.random(sets, random_state=np.random.default_rng(0)).as_matrix()
+    turns = Rotation.from_quat(np.random.default_rng(0).normal(size=(sets, 4))).as_matrix()  # any way is as likely
     return np.asarray(np.einsum("sij,nj->sni", turns, lattice))
 
 
