@@ -12,14 +12,15 @@ from harmonicface.io.meshes import Mesh
 from harmonicface.surfaces.surface import Surface
 
 STEEPEST = 80.0  # degrees
+BEYOND_NORMALS = 1.5  # times as steep as the normals say: a step
 
 
 def mesh_from_depth(surface: Surface, steepest: float = STEEPEST) -> Mesh:
     """Return the mesh whose vertices are the pixels of a Surface at their depth.
 
     Two triangles fill each square of four neighbouring pixels, divided along the diagonal with the lesser step; where
-    one of the four is missing, one triangle fills half of it. An edge that rises at more than `steepest` degrees spans
-    two things, one before the other, and no triangle has it.
+    one of the four is missing, one triangle fills half of it. An edge that rises at more than `steepest` degrees, and
+    1.5 times as much as the normals at either end say, spans two things, one before the other, and no triangle has it.
 
     Parameters
     ----------
@@ -55,14 +56,15 @@ def mesh_from_depth(surface: Surface, steepest: float = STEEPEST) -> Mesh:
         raise HarmonicFaceError(f"steepest: expected at most 90 degrees, got {limit}")
     vertices = pixel_positions(surface)
     rise = np.inf if limit == 90 else np.tan(np.deg2rad(limit))
-    faces = grid_faces(surface.mask, vertices, rise)
+    normals = surface.pixel_normals.astype(np.float64)
+    faces = grid_faces(surface.mask, vertices, rise, normals)
     if len(faces) == 0:
         raise HarmonicFaceError("depth: expected three neighbouring pixels without a step between them, got none")
     albedo = surface.pixel_albedo.astype(np.float64).reshape(len(vertices), -1)
     return Mesh(
         vertices,
         faces,
-        surface.pixel_normals.astype(np.float64),
+        normals,
         None,
         (),
         np.full(len(faces), -1),
@@ -80,7 +82,9 @@ def pixel_positions(surface: Surface) -> NDArray[np.float64]:
     return np.stack([x, y, surface.depth[surface.mask].astype(np.float64)], axis=1)
 
 
-def grid_faces(inside: NDArray[np.bool_], vertices: Floats, rise: float) -> NDArray[np.int64]:
+def grid_faces(
+    inside: NDArray[np.bool_], vertices: Floats, rise: float, normals: Floats | None = None
+) -> NDArray[np.int64]:
     """Return the triangles between neighbouring pixels, (m, 3), without those that have a step for an edge.
 
     Parameters
@@ -91,6 +95,8 @@ def grid_faces(inside: NDArray[np.bool_], vertices: Floats, rise: float) -> NDAr
         (p, 3) positions on the grid and depth.
     rise
         The largest difference in depth over the distance on the grid that an edge may have.
+    normals
+        (p, 3) unit normals, whose slopes an edge may follow beyond that; without them none may.
     """
     number = np.full(inside.shape, -1, dtype=np.int64)
     number[inside] = np.arange(len(vertices))
@@ -102,9 +108,22 @@ def grid_faces(inside: NDArray[np.bool_], vertices: Floats, rise: float) -> NDAr
     second = np.where(rising, b, a), np.where(rising, c, d), np.where(rising, d, b)
     faces = np.stack([np.stack(first, axis=1), np.stack(second, axis=1)], axis=1).reshape(-1, 3)
     faces = faces[(faces >= 0).all(axis=1)]
-    edges = vertices[faces] - vertices[np.roll(faces, 1, axis=1)]
-    steep = np.abs(edges[..., 2]) > rise * np.hypot(edges[..., 0], edges[..., 1])
-    return np.ascontiguousarray(faces[~steep.any(axis=1)])
+    whole = np.ones(len(faces), dtype=bool)
+    for corner in range(3):
+        one, other = faces[:, corner], faces[:, corner - 1]
+        edge = vertices[one] - vertices[other]
+        steep = np.flatnonzero(np.abs(edge[:, 2]) > rise * np.hypot(edge[:, 0], edge[:, 1]))
+        if normals is not None:
+            along = _follows(edge[steep], normals[one[steep]]) | _follows(edge[steep], normals[other[steep]])
+            steep = steep[~along]
+        whole[steep] = False
+    return np.ascontiguousarray(faces[whole])
+
+
+def _follows(edges: Floats, normals: Floats) -> NDArray[np.bool_]:
+    """Return whether edges rise to the side to which surfaces of these normals do, and not much more steeply."""
+    slope = -np.einsum("ei,ei->e", edges[:, :2], normals[:, :2]) * np.sign(edges[:, 2])  # times the normal's z
+    return np.asarray(np.abs(edges[:, 2]) * normals[:, 2] <= BEYOND_NORMALS * slope)
 
 
 def _step(vertices: Floats, one: NDArray[np.int64], other: NDArray[np.int64]) -> Floats:
