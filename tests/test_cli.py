@@ -236,7 +236,7 @@ def test_images_of_a_black_surface_are_white(run: Run, folder: Path) -> None:
         (["other.npz"], "expected a saved Surface, got a file without"),
         (["text.npz"], "expected a saved Surface, got no file"),
         (["none.obj"], "expected a mesh"),
-        (["."], "expected a mesh (.glb .obj .ply .stl) or a saved Surface"),
+        (["."], "expected a mesh (.glb .obj .ply .stl)"),
         (["wedge.obj", "--size", "0"], "size: expected pixels"),
         (["wedge.obj", "--frame", "1,2"], "frame: expected 4 comma-separated numbers, got '1,2'"),
         (["wedge.obj", "--frame", "5,5,6,6"], "frame"),

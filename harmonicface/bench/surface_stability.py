@@ -1,0 +1,251 @@
+"""Hard cases for a Surface: what is done with each, and how far the result is from what it should be."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harmonicface._validate import Floats
+from harmonicface.appearance.basis import harmonic_images
+from harmonicface.appearance.render import render
+from harmonicface.bench.hard_surfaces import ball, bumpy_mesh, nine_images
+from harmonicface.bench.measure import Record
+from harmonicface.lighting.environment import EnvironmentMap
+from harmonicface.surfaces.depth import surface_from_depth
+from harmonicface.surfaces.horizon import horizons
+from harmonicface.surfaces.mesh import surface_from_mesh
+from harmonicface.surfaces.surface import Surface
+from harmonicface.surfaces.transfer import transport
+
+SIDE = 24
+ALBEDO = 0.7
+LIGHT = np.array([0.6, 0.0, 0.8])
+
+
+def stability_records() -> list[Record]:
+    """Return one record a case: its error against a closed form, or against the same without the difficulty.
+
+    Errors are the largest difference over the largest value that is expected, unless the note says otherwise.
+
+    Examples
+    --------
+    >>> wall = stability_records()[0]
+    >>> wall.name, wall.error < 1e-12
+    ('all normals equal (a wall): harmonic images', True)
+    """
+    cases = (_wall, _few_pixels, _black, _grazing, _spike, _steps_and_holes, _units, _bright_lamp, _single)
+    return [record for case in cases for record in case()]
+
+
+def _record(name: str, size: str, made: Callable[[], Any], expected: Any, note: str) -> Record:
+    """Time one call and compare it."""
+    start = time.perf_counter()
+    found = np.asarray(made())
+    seconds = time.perf_counter() - start
+    right = np.asarray(expected)
+    return Record(
+        name, size, seconds, float(np.abs(found - right).max() / np.abs(right).max()), found.nbytes, note=note
+    )
+
+
+def _transport(surface: Surface) -> Floats:
+    return transport(surface, 2).values
+
+
+def _flat(shape: tuple[int, int] = (SIDE, SIDE), mask: NDArray[np.bool_] | None = None) -> Surface:
+    normals = np.tile([0.0, 0.0, 1.0], (*shape, 1))
+    return Surface(normals, np.full(shape, ALBEDO), mask, np.zeros(shape))
+
+
+def _wall() -> Iterator[Record]:
+    wall, size = _flat(), f"{SIDE} x {SIDE}"
+    name = "all normals equal (a wall)"
+    expected = nine_images(wall.pixel_normals, ALBEDO)
+    yield _record(f"{name}: harmonic images", size, lambda: harmonic_images(wall), expected, "nine multiples of one")
+    note = "nothing stands above the wall: the closed form without shadows"
+    yield _record(f"{name}: transport", size, partial(_transport, wall), expected / ALBEDO, note)
+    lit = np.full(wall.shape, ALBEDO * LIGHT[2])
+    yield _record(f"{name}: render", size, lambda: render(wall, LIGHT, shadows=True), lit, "albedo times the cosine")
+
+
+def _few_pixels() -> Iterator[Record]:
+    name = "a mask of 9 pixels or fewer"
+    for count in (9, 1):
+        mask = np.zeros((5, 5), dtype=bool)
+        mask[1:4, 1:4] = True
+        if count == 1:
+            mask[:] = False
+            mask[2, 2] = True
+        normals = ball(5)[0]
+        small = Surface(normals, np.full((5, 5), ALBEDO), mask)
+        expected = nine_images(small.pixel_normals, ALBEDO)
+        note = "fewer pixels than images: computed all the same, a basis of them has at most as many rows"
+        yield _record(f"{name}: harmonic images", str(count), partial(harmonic_images, small), expected, note)
+        flat = _flat((5, 5), mask)
+        expected = nine_images(flat.pixel_normals)
+        note = "outside the mask nothing blocks"
+        yield _record(f"{name}: transport", str(count), partial(_transport, flat), expected, note)
+
+
+def _black() -> Iterator[Record]:
+    normals, inside = ball(SIDE)
+    albedo = np.full(inside.shape, ALBEDO)
+    albedo[::2] = 0
+    surface = Surface(normals, albedo, inside)
+    expected = nine_images(surface.pixel_normals, surface.pixel_albedo)
+    note = "exactly 0 where the albedo is, nothing is divided by it"
+    name = "albedo zero in places: harmonic images"
+    yield _record(name, f"{inside.sum()} pixels", lambda: harmonic_images(surface), expected, note)
+
+
+def _grazing() -> Iterator[Record]:
+    heights = np.repeat([0.0, 1e-12, 1e-6, 1e-3], SIDE)
+    around = np.linspace(0, 2 * np.pi, len(heights), endpoint=False)
+    flat = np.sqrt(1 - heights**2)
+    normals = np.stack([flat * np.cos(around), flat * np.sin(around), heights], axis=1)[None]
+    surface = Surface(normals, np.full(normals.shape[:2], ALBEDO))
+    name, size = "grazing normals (z from 0 to 1e-3)", f"{len(heights)} pixels"
+    expected = nine_images(normals[0], ALBEDO)
+    yield _record(f"{name}: harmonic images", size, lambda: harmonic_images(surface), expected, "as any other normal")
+    along = np.array([0.0, 0.0, 1.0])
+    note = "light along the line of sight: the cosine is z; error over the largest"
+    yield _record(f"{name}: render", size, lambda: render(surface, along), ALBEDO * heights[None], note)
+    steep = np.tile(1e4 * np.arange(float(SIDE)), (SIDE, 1))
+    expected_normal = np.array([-1e4, 0, 1]) / np.hypot(1e4, 1)
+    note = "a slope of 10000 a pixel; expected: the plane's normal"
+    yield _record(
+        "grazing depth: normals",
+        f"{SIDE} x {SIDE}",
+        lambda: surface_from_depth(steep).normals,
+        np.broadcast_to(expected_normal, (SIDE, SIDE, 3)),
+        note,
+    )
+
+
+def _spike() -> Iterator[Record]:
+    height = 50.0
+    depth = np.zeros((SIDE, SIDE + 1))
+    row, column = SIDE // 2, SIDE // 2
+    depth[row, column] = height
+    beside = np.arange(1, column + 1)
+    expected = np.arctan2(height, beside)
+
+    def toward() -> Floats:
+        found = horizons(depth, None, 1.0, [0.0])[0].reshape(depth.shape)
+        return np.asarray(found[row, column - beside])
+
+    note = "kept; it hides the sky up to arctan(height / distance), exact at whole pixels"
+    yield _record("a spike one pixel wide: horizon", f"{height:.0f} pixels high", toward, expected, note)
+    flat = np.broadcast_to([0.0, 0.0, 1.0], (SIDE, SIDE + 1, 3)).copy()
+    flat[row, column] = 0
+    note = "with steepest=80 it is left outside and its neighbours' normals stay those of the wall"
+    yield _record(
+        "a spike one pixel wide: normals",
+        f"{height:.0f} pixels high",
+        lambda: surface_from_depth(depth, steepest=80).normals,
+        flat,
+        note,
+    )
+
+
+def _steps_and_holes() -> Iterator[Record]:
+    columns = np.tile(np.arange(float(SIDE)), (SIDE, 1))
+    upper = columns >= SIDE // 2
+    depth = np.where(upper, 10 + 0.5 * columns, -0.2 * columns)
+    holes = np.random.default_rng(0).random(depth.shape) < 0.05
+    depth[holes] = np.nan
+    surface = surface_from_depth(depth, steepest=80)
+    slopes = np.where(upper, 0.5, -0.2)
+    exact = np.stack([-slopes, np.zeros_like(slopes), np.ones_like(slopes)], axis=2)
+    exact /= np.linalg.norm(exact, axis=2, keepdims=True)
+    exact[~surface.mask] = 0
+    share = surface.mask.sum() / (~holes).sum()
+    note = (
+        f"one-sided at steps and holes; {share:.1%} of the measured pixels have a normal, the others are left outside"
+    )
+    yield _record(
+        "depth with steps and holes: normals",
+        f"{SIDE} x {SIDE}",
+        lambda: surface_from_depth(depth, steepest=80).normals,
+        exact,
+        note,
+    )
+    step = np.where(upper[:1], 10.0, 0.0)
+    distance = SIDE // 2 - np.arange(SIDE // 2)
+    note = "the step hides the sky up to arctan(height / distance)"
+    yield _record(
+        "depth with steps: horizon",
+        f"{SIDE} pixels",
+        lambda: horizons(step, None, 1.0, [0.0])[0][: SIDE // 2],
+        np.arctan2(10.0, distance),
+        note,
+    )
+
+
+def _units() -> Iterator[Record]:
+    mesh = bumpy_mesh()
+    seen = surface_from_mesh(mesh, 32)
+    expected = {shadows: harmonic_images(seen, 2, shadows=shadows) for shadows in (False, True)}
+    for factor, shift in ((1e-3, 0.0), (1e3, 0.0), (1.0, 1e6)):
+        other = replace(mesh, vertices=factor * mesh.vertices + shift)
+        surface = surface_from_mesh(other, 32)
+        same = bool((surface.mask == seen.mask).all())
+        what = f"a mesh times {factor:g}" if shift == 0 else f"a mesh {shift:g} away from the origin"
+        for shadows, right in expected.items():
+            note = f"the same {surface.mask.sum()} pixels: {same}; expected: the mesh as it was"
+            name = f"{what}: harmonic images" + " with shadows" * shadows
+            made = partial(harmonic_images, surface, 2, shadows=shadows)
+            yield _record(name, "32 x 32", made, right, note)
+
+
+def _bright_lamp() -> Iterator[Record]:
+    height, width = 32, 64
+    radiance = np.ones((height, width))
+    radiance[8, 40] = 1e6
+    polar = np.linspace(0, np.pi, height + 1)
+    up = (np.arange(height) + 0.5) * np.pi / height
+    around = (np.arange(width) + 0.5) * 2 * np.pi / width - np.pi  # 0 in the middle column, which is -z
+    areas = (np.cos(polar[:-1]) - np.cos(polar[1:])) * 2 * np.pi / width
+    directions = np.stack(
+        [
+            np.outer(np.sin(up), np.sin(around)),
+            np.outer(np.cos(up), np.ones(width)),
+            -np.outer(np.sin(up), np.cos(around)),
+        ],
+        axis=2,
+    ).reshape(-1, 3)
+    weights = (radiance * areas[:, None]).ravel()
+    normals, inside = ball(SIDE)
+    surface = Surface(normals, np.full(inside.shape, ALBEDO), inside)
+    expected = np.zeros(inside.shape)
+    expected[inside] = ALBEDO * (np.maximum(surface.pixel_normals @ directions.T, 0) @ weights)
+    low = float(render(surface, EnvironmentMap(radiance), order=2)[inside].min() / expected.max())
+    for dtype in (np.float64, np.float32):
+        light = EnvironmentMap(radiance.astype(dtype))
+        note = (
+            f"exact sum; expected: by every lamp in float64. By order 2 the darkest pixel is {low:.3f} of the largest"
+        )
+        name = f"1e6 : 1 dynamic range, {np.dtype(dtype).name}: render"
+        yield _record(name, f"{height} x {width} map", partial(render, surface, light), expected, note)
+
+
+def _single() -> Iterator[Record]:
+    normals, inside = ball(SIDE)
+    heights = np.where(inside, SIDE / 2 * normals[..., 2], np.nan)
+    double = Surface(normals, np.full(inside.shape, ALBEDO), inside, heights)
+    single = Surface(
+        normals.astype(np.float32), np.full(inside.shape, ALBEDO, np.float32), inside, heights.astype(np.float32)
+    )
+    size = f"{inside.sum()} pixels"
+    name = "float32 against float64"
+    yield _record(f"{name}: harmonic images", size, lambda: harmonic_images(single), harmonic_images(double), "order 2")
+    expected = render(double, LIGHT)
+    yield _record(f"{name}: render", size, lambda: render(single, LIGHT), expected, "one direction")
+    right = transport(double, 4).values
+    yield _record(f"{name}: transport", size, lambda: transport(single, 4).values, right, "order 4, depth of a ball")
