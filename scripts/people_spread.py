@@ -1,8 +1,9 @@
 """Compare the spread between synthetic people with real ones: python scripts/people_spread.py DATA [--map FILE.png].
 
 Shape: random heads of the ICT face model, whose first 16 of 100 modes are in DATA/heads, so real heads spread a little
-more. Albedo: Yale B by photometric stereo from subsets 1 and 2, so its spread includes errors of stereo and of the
-photographs' rough alignment. Both are aligned by eyes and mouth, and compared over pixels that everybody has.
+more; their albedo is as invented as that of the synthetic people. Albedo: Yale B by photometric stereo from subsets 1
+and 2, so its spread includes errors of stereo and of the photographs' rough alignment. All are aligned by eyes and
+mouth, and compared over pixels that everybody has.
 """
 
 from __future__ import annotations
@@ -63,23 +64,23 @@ def main() -> None:
     parser.add_argument("--map", help="PNG file for maps of the spread")
     options = parser.parse_args()
     ours = list(synthetic_people(options.people, options.size, options.seed))
-    ict = ict_people(options.data / "heads/ICT-FaceKit/FaceXModel", options.heads, options.size)
+    ict = ict_people(options.data / "heads/ICT-FaceKit/FaceXModel", options.heads, options.size, albedo="grey")
     yale = yale_people(options.data / "yaleb", options.size)
-    shape_pixels, albedo_pixels = common_mask([*ours, *ict]), common_mask([*ours, *yale])
+    shape_pixels, albedo_pixels = common_mask([*ours, *ict]), common_mask([*ours, *ict, *yale])
     shapes = [normal_spread(people, shape_pixels) for people in (ours, ict)]
-    albedos = [albedo_spread(people, albedo_pixels) for people in (ours, yale)]
-    print(f"{'between people':34}{'synthetic':>10}{'real':>10}")
+    albedos = [albedo_spread(people, albedo_pixels) for people in (ours, ict, yale)]
+    print(f"{'between people':34}{'synthetic':>10}{'ICT':>10}{'Yale B':>10}")
     for label, name in (("normals, RMS angle to the mean", "rms"), ("normals, mean angle to the mean", "mean")):
-        print(f"{label:34}" + "".join(f"{getattr(spread, name):8.1f} °" for spread in shapes) + "   ICT")
+        print(f"{label:34}" + "".join(f"{getattr(spread, name):8.1f} °" for spread in shapes))
     rows = (
         ("albedo, spread between people", "between"),
         ("albedo, contrast within a face", "contrast"),
         ("albedo, spread of mean tones", "tone"),
     )
     for label, name in rows:
-        print(f"{label:34}" + "".join(f"{100 * getattr(spread, name):8.1f} %" for spread in albedos) + "   Yale B")
+        print(f"{label:34}" + "".join(f"{100 * getattr(spread, name):8.1f} %" for spread in albedos))
     if options.map:
-        _draw(options.map, [spread.map / 25 for spread in shapes], [spread.map / 0.6 for spread in albedos])
+        _draw(options.map, [spread.map / 25 for spread in shapes], [albedos[0].map / 0.6, albedos[2].map / 0.6])
 
 
 def _draw(path: str, shapes: list[np.ndarray], albedos: list[np.ndarray]) -> None:

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 MEAN_TONE, TONE_STEP = 0.48, 0.08  # of the built-in people: tone falls by one step as darkness grows by one
 TONE, TONE_SPREAD = 0.34, 0.22  # of the skins here: median luminance, standard deviation of its logarithm
-DARKEST_TONE, LIGHTEST_TONE = 0.12, 0.56
+DARKEST_TONE, LIGHTEST_TONE = 0.12, 0.50
 SCALP_COVER = 0.93
 REDNESS = (  # height, then centre and standard deviations across and up in mm: cheeks, nose, chin, lids
     (0.7, 40.0, -32.0, 16.0, 13.0),
@@ -51,7 +51,7 @@ class HeadSkin:
 def draw_head_skin(rng: np.random.Generator) -> HeadSkin:
     """Draw a person's skin, hair and eyes; they do not depend on the shape of her head.
 
-    The luminance of the skin is log-normal about 0.34, from 0.12 to 0.56: of the measured skins of Cooksey, Allen &
+    The luminance of the skin is log-normal about 0.34, from 0.12 to 0.5: of the measured skins of Cooksey, Allen &
     Tsai 2017 (Reference data set of human skin reflectance) that is most.
     """
     masculine = float(rng.choice((-1.0, 1.0)) * 0.8 + 0.6 * rng.standard_normal())

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from harmonicface.people.ict_model import BACK, FACE, LEFT_EYE, POLYGONS_OF, RIGHT_EYE, HeadModel
+from harmonicface.people.ict_model import LEFT_EYE, POLYGONS_OF, RIGHT_EYE, HeadModel
 from harmonicface.people.ict_places import head_places
 from harmonicface.people.mottling import field_at
 from harmonicface.people.skin import SkinPixels
@@ -17,7 +17,9 @@ from harmonicface.surfaces.raster import rasterize
 
 Array = NDArray[np.float64]
 
-MILLIMETRES = {FACE: 230.0, BACK: 500.0, LEFT_EYE: 40.0, RIGHT_EYE: 40.0}  # across a texture, roughly
+MILLIMETRES, MILLIMETRES_AN_EYE = 230.0, 40.0  # across the texture of the face and of an eye, roughly
+RIM = 2.5  # texels by which what is painted reaches beyond the border of the head
+LARGEST_REACH = 3.0  # of a triangle's sides by which it may be continued
 COARSEST, FINEST, STEP = 128, 1024, 64  # texels a side
 TEXELS_A_PIXEL = 1.6
 
@@ -56,7 +58,7 @@ class TextureMap:
     Parameters
     ----------
     texels
-        The p texels that lie on the head.
+        The p texels that lie on the head, or near its border.
     nearest
         (side, side) which of them each texel shows: itself, or the nearest one where the texture is empty, so that
         nothing foreign bleeds in at the borders.
@@ -72,27 +74,24 @@ class TextureMap:
 
 def texture_side(pixel_size: float) -> int:
     """Return how many texels a side of the face's texture do for pixels of some mm."""
-    wanted = TEXELS_A_PIXEL * MILLIMETRES[FACE] / pixel_size
+    wanted = TEXELS_A_PIXEL * MILLIMETRES / pixel_size
     return int(np.clip(STEP * np.ceil(wanted / STEP), COARSEST, FINEST))
 
 
 @lru_cache(maxsize=2)
 def texture_maps(model: HeadModel, side: int) -> tuple[TextureMap, ...]:
-    """Return the four textures of a model in the order of its parts: the face's of so many texels a side, others half.
-
-    The back of the head has less to show, and eyes are small.
-    """
-    return tuple(_texture_map(model, part, side if part == FACE else side // 2) for part in POLYGONS_OF)
+    """Return the four textures of a model in the order of its parts, with so many texels a side; eyes have half."""
+    return tuple(_texture_map(model, part, side) for part in POLYGONS_OF)
 
 
 def _texture_map(model: HeadModel, part: int, side: int) -> TextureMap:
     """Lay a part of the head out on its texture."""
     places = head_places(model)
+    eye = part in (LEFT_EYE, RIGHT_EYE)
     faces = model.faces[model.parts == part]
-    corners = np.concatenate([model.uv * (side, -side) + (0, side), np.zeros((len(model.uv), 1))], axis=1)
-    raster = rasterize(corners, faces, (side, side))
+    own, triangle, weights = _spread_out(model.uv, faces, side // 2 if eye else side)
     attributes = np.concatenate([places.points, places.normals, places.gaze], axis=1)
-    found = np.asarray(raster.interpolate(attributes, faces)[raster.mask], dtype=np.float64)
+    found = np.einsum("pk,pkc->pc", weights, attributes[faces[triangle]])
     points, normals, gaze = found[:, :3], found[:, 3:6], found[:, 6:]
     facing = normals**2
     facing /= np.linalg.norm(facing, axis=1, keepdims=True)
@@ -101,11 +100,32 @@ def _texture_map(model: HeadModel, part: int, side: int) -> TextureMap:
         y=points[:, 1],
         eye_x=gaze[:, 0],
         eye_y=gaze[:, 1],
-        on_eye=np.full(len(points), part in (LEFT_EYE, RIGHT_EYE)),
-        blur=MILLIMETRES[part] / side / 2,
+        on_eye=np.full(len(points), eye),
+        blur=MILLIMETRES_AN_EYE / side if eye else MILLIMETRES / side / 2,
         points=points,
         facing=facing,
     )
-    rows, columns = distance_transform_edt(~raster.mask, return_distances=False, return_indices=True)
-    number = np.cumsum(raster.mask).reshape(side, side) - 1
+    rows, columns = distance_transform_edt(~own, return_distances=False, return_indices=True)
+    number = np.cumsum(own).reshape(own.shape) - 1
     return TextureMap(texels, number[rows, columns])
+
+
+def _spread_out(uv: Array, faces: NDArray[np.int64], side: int) -> tuple[NDArray[np.bool_], NDArray[np.intp], Array]:
+    """Return which texels lie on the head or near its border, (side, side), and of these p the triangle and weights.
+
+    The triangles at the border reach a little beyond it, so that what is interpolated there is still theirs.
+    """
+    corners = uv * (side, -side) + (0, side)
+    raster = rasterize(np.concatenate([corners, np.zeros((len(uv), 1))], axis=1), faces, (side, side))
+    distance, (rows, columns) = distance_transform_edt(~raster.mask, return_indices=True)
+    own = distance <= RIM
+    triangle = raster.triangle[rows, columns][own].astype(np.intp)
+    inside = raster.weights[rows, columns][own]
+    centres = np.argwhere(own)[:, ::-1] + 0.5
+    a, b, c = np.moveaxis(corners[faces[triangle]], 1, 0)
+    system = np.stack([b - a, c - a], axis=2)
+    beyond = np.linalg.solve(system, (centres - a)[..., None])[..., 0]
+    step = np.concatenate([1 - beyond.sum(axis=1, keepdims=True), beyond], axis=1) - inside
+    # a triangle much smaller than a texel does not know what lies a texel away from it
+    reach = LARGEST_REACH / np.maximum(np.abs(step).max(axis=1, keepdims=True), LARGEST_REACH)
+    return own, triangle, inside + reach * step

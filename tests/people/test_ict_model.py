@@ -115,7 +115,10 @@ TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/3\n"
         ({"landmarks": "{"}, f"{LANDMARKS}: expected JSON with idx_to_landmark_verts"),
         ({"landmarks": "{}"}, f"{LANDMARKS}: expected JSON with idx_to_landmark_verts"),
         ({"landmarks": "[]"}, f"{LANDMARKS}: expected JSON with idx_to_landmark_verts"),
-        ({"landmarks": '{"idx_to_landmark_verts": [1, 2]}'}, f"{LANDMARKS}: expected 68 landmarks, vertices 0 to 26718"),
+        (
+            {"landmarks": '{"idx_to_landmark_verts": [1, 2]}'},
+            f"{LANDMARKS}: expected 68 landmarks, vertices 0 to 26718",
+        ),
         (
             {"landmarks": json.dumps({"idx_to_landmark_verts": [26719] * 68})},
             f"{LANDMARKS}: expected 68 landmarks, vertices 0 to 26718",
@@ -139,7 +142,10 @@ def test_files_of_another_form(tmp_path, parts, changed, message):
         (UV + "f 1//1 2//2 3//3\n" * POLYGONS, "expected faces of vertex/texture numbers, got another form"),
         (UV + "f 1/1\n" * POLYGONS, "expected faces of vertex/texture numbers, got another form"),
         ("vt 0 0\n" + FACES, "expected faces of 26719 vertices and 1 texture coordinates, got numbers 1 to"),
-        (UV + "f 0/1 2/2 3/3\n" * POLYGONS, "expected faces of 26719 vertices and 4 texture coordinates, got numbers 0"),
+        (
+            UV + "f 0/1 2/2 3/3\n" * POLYGONS,
+            "expected faces of 26719 vertices and 4 texture coordinates, got numbers 0",
+        ),
         ("vt 0\n" + FACES, "expected 2 finite numbers after 'vt '"),
     ],
 )

@@ -70,7 +70,7 @@ def test_synthetic_people_spread_like_real_ones(data_dir):
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
     ours = list(synthetic_people(80, 64, seed=1))
-    ict = ict_people(data_dir / "heads/ICT-FaceKit/FaceXModel", 30)
+    ict = ict_people(data_dir / "heads/ICT-FaceKit/FaceXModel", 30, albedo="uniform")
     yale = script.yale_people(data_dir / "yaleb", 64)
     pixels = common_mask([*ours, *ict])
     shape, real_shape = normal_spread(ours, pixels), normal_spread(ict, pixels)
