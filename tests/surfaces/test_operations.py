@@ -73,7 +73,7 @@ def ball_mesh(rows=40, columns=80):
 @settings(max_examples=30)
 @given(st.booleans(), st.booleans(), st.sampled_from([np.float32, np.float64]), st.integers(0, 999))
 def test_a_crop_of_everything_is_the_surface(colour, depth, dtype, seed):
-    surface = make((5, 4), colour, depth, dtype, seed, bounces=(0, 2))
+    surface = make((5, 4), colour, depth, dtype, seed, bounces=(0, 2), transport_colour=colour)
     for rows, columns in (((0, 5), (0, 4)), (slice(None), slice(None)), (slice(-5, None), slice(None, 4, 1))):
         same(crop(surface, rows, columns), surface)
 
