@@ -13,7 +13,7 @@ from harmonicface.io.colour import luminance
 from harmonicface.lighting.light import HarmonicLight, Light
 from harmonicface.lighting.sources import DirectionalLights
 from harmonicface.surfaces.blockers import Blocker, DepthBlocker, MeshBlocker, pixel_samples
-from harmonicface.surfaces.interreflection import depth_exchange, mesh_exchange
+from harmonicface.surfaces.interreflection import PATCH_RAYS, depth_exchange, mesh_exchange
 from harmonicface.surfaces.ray_transport import direct_transport
 from harmonicface.surfaces.scene import FineSamples
 from harmonicface.surfaces.surface import Surface
@@ -120,18 +120,18 @@ def _shaped(values: Doubles) -> Doubles:
 
 def _columns(values: Floats) -> Doubles:
     """Return (n,) or (n, 3) as (n, 1) or (n, 3)."""
-    return values.reshape(len(values), -1).astype(np.float64)
+    return values.reshape(len(values), 3 if values.ndim == 2 else 1).astype(np.float64)
 
 
-def _arriving(samples: FineSamples, blocker: Blocker, light: Light, factor: Doubles) -> Doubles:
+def _arriving(samples: FineSamples, blocker: Blocker, light: Light, factor: Doubles, rays: int = RAYS) -> Doubles:
     """Return the mean of a factor (n, 1 or 3) of the samples times the irradiance, (p, 1 or 3)."""
     result = np.zeros((samples.pixels, max(light.channels, factor.shape[1])))
     parts = samples.slots.shape[1]
-    for part in parts_of(light, -(-RAYS // parts) * parts):
+    for part in parts_of(light, -(-rays // parts) * parts):
         if isinstance(part, DirectionalLights):
             result += samples.means(factor * _of_lamps(samples, blocker, part))
         elif isinstance(part, HarmonicLight):
-            reaching = direct_transport(blocker, samples, part.order)
+            reaching = direct_transport(blocker, samples, part.order, rays)
             result += samples.means(factor) * (reaching.T @ _columns(part.values))
         else:
             unshadowed = samples.means(factor * _columns(part.irradiance(samples.normals)))
@@ -147,7 +147,7 @@ def _thrown_back(surface: Surface, samples: FineSamples, blocker: Blocker, light
         exchange = mesh_exchange(surface.scene, samples, bounces)
         blocker = MeshBlocker(surface.scene.caster, exchange.pieces)
     pieces = exchange.pieces
-    direct = _arriving(pieces, blocker, light, np.ones((len(pieces.normals), 1)))
+    direct = _arriving(pieces, blocker, light, np.ones((pieces.pixels, 1)), PATCH_RAYS)
     coloured = direct.shape[1] == 3
     bounced = exchange.bounced(direct[:, None] if coloured else direct, bounces)  # each colour its own light
     return bounced.reshape(len(bounced), -1)

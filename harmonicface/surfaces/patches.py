@@ -13,7 +13,7 @@ from harmonicface.surfaces.texture import look_up, shrink_to_density
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-PIECES = 64  # a patch is at most about one part in so many of the mesh's extent wide
+PIECES = 32  # a patch is at most about one part in so many of the mesh's extent wide
 
 
 class Patches:

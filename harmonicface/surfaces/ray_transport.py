@@ -85,8 +85,12 @@ def direct_transport(blocker: Blocker, samples: FineSamples, order: int, rays: i
 def unshadowed_transport(samples: FineSamples, order: int) -> Doubles:
     """Return A_l Y_lm of the normals, averaged over the samples of each pixel, (k, p)."""
     result = np.empty((count(order), samples.pixels))
+    counts = np.bincount(samples.pixel, minlength=samples.pixels)
+    ends = np.cumsum(counts)  # samples are in the order of their pixels
     step = max(1, BLOCK // samples.slots.shape[1])
     for first in range(0, samples.pixels, step):
         some = slice(first, first + step)
-        result[:, some] = real_harmonics(samples.normals[samples.slots[some]], order).mean(axis=2)
+        starts = ends[some] - counts[some]
+        harmonics = real_harmonics(samples.normals[starts[0] : ends[some][-1]], order)
+        result[:, some] = np.add.reduceat(harmonics, starts - starts[0], axis=1) / counts[some]
     return result * lambertian_weights(order)[:, None]

@@ -56,9 +56,9 @@ class FineSamples:
     def means(self, values: Floats) -> Floats:
         """Return the means of (n,) or (n, c) values over the samples of each pixel, (p,) or (p, c)."""
         counts = np.bincount(self.pixel, minlength=self.pixels)
-        columns = values.reshape(len(values), -1).T
-        sums = [np.bincount(self.pixel, column, minlength=self.pixels) / counts for column in columns]
-        return np.stack(sums, axis=1).reshape(self.pixels, *values.shape[1:])
+        columns = values.T if values.ndim == 2 else values[None]
+        means = np.stack([np.bincount(self.pixel, column, minlength=self.pixels) / counts for column in columns])
+        return means.T if values.ndim == 2 else means[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -88,7 +88,7 @@ def test_albedo_is_that_of_the_vertices_times_the_texture():
     samples = patches.samples(np.arange(0, patches.sides, 2))
     x, y = samples.positions[:, 0], samples.positions[:, 1]
     expected = np.where(y > x, 0.5, np.where(x > 0.5, 0.5, 0.0))
-    away = (np.abs(x - 0.5) > 0.02) & (x > 0.01)  # from the texture's borders, where it repeats
+    away = (np.abs(x - 0.5) > 0.04) & (x > 0.04) & (x < 0.96)  # from the texture's borders, where it repeats
     assert samples.albedo[away] == pytest.approx(expected[away], abs=1e-6)
     assert samples.albedo.shape == (patches.sides // 2,)
 
