@@ -17,7 +17,7 @@ Doubles = NDArray[np.float64]
 Rectangle = tuple[slice, slice]
 
 BAND = 1 << 14  # pixels whose horizons are raised together: a few arrays of 128 KB, which stay in the cache
-SPACING = 1 / 16  # of the distance: how far apart a line of sight is looked at, and no closer than row by row
+SPACING = 1 / 32  # of the distance: how far apart a line of sight is looked at, and no closer than row by row
 CHASM = -1e30  # relative to the relief: what a line between a pixel and a hole falls to
 FREE = 1e15  # relative to the relief: slopes below minus this come from holes alone
 TALLEST = 1e150  # pixels: chasms below it are still numbers
@@ -48,11 +48,11 @@ class Terrain:
         return cls(heights, np.diff(heights, axis=1), relief)
 
     def raise_slopes(self, slopes: Doubles, down: float, right: float) -> None:
-        """Raise slopes (h, w) to what is seen past along a direction that advances at least as much down as right.
+        """Raise slopes (h, w) to what is seen past the rows along a direction that is not parallel to them.
 
         The surface between two neighbouring pixels of a row is the straight line, and the line of sight is compared
-        with it where it crosses a row: every row near by, fewer in the distance. Minus infinity is a slope from
-        which everything is seen, and infinity asks for none.
+        with it where it crosses a row: every row near by, fewer in the distance. Minus infinity is the slope where
+        everything is seen, and infinity asks for none.
         """
         height, width = self.heights.shape
         sign, shift, length = (1 if down > 0 else -1), right / abs(down), math.hypot(down, right) / abs(down)

@@ -16,6 +16,8 @@ from harmonicface.surfaces._terrain import FREE, Terrain
 
 Doubles = NDArray[np.float64]
 
+AXIS = 1e-9  # of a direction that crosses no rows, or no columns
+
 
 def horizons(depth: ArrayLike, mask: ArrayLike | None, pixel_size: float, azimuths: ArrayLike) -> Doubles:
     r"""Return the elevation angles below which the rest of a depth map hides the sky from each pixel, (a, p).
@@ -23,10 +25,9 @@ def horizons(depth: ArrayLike, mask: ArrayLike | None, pixel_size: float, azimut
     .. math:: h(x, \phi) = \max_{s > 0} \arctan \frac{z(x + s (\cos\phi, \sin\phi)) - z(x)}{s}
 
     (Max, Horizon mapping: shadows for bump-mapped surfaces, 1988). The surface is solid below its depth, and between
-    two neighbouring pixels it is the straight line; a line of sight is compared with it where it crosses rows or, where
-    it advances more from column to column, columns of pixels: each of them up to 32 away, and farther off at
-    distances that differ by no more than a 16th. Outside the mask nothing blocks, and nothing spans the gap between a
-    pixel and a hole.
+    two neighbouring pixels it is the straight line; a line of sight is compared with it where it crosses rows and
+    columns of pixels: each of them up to 64 away, and farther off at distances that differ by no more than a 32nd.
+    Outside the mask nothing blocks, and nothing spans the gap between a pixel and a hole.
 
     Parameters
     ----------
@@ -69,36 +70,36 @@ def horizons(depth: ArrayLike, mask: ArrayLike | None, pixel_size: float, azimut
     step = _validate.positive(pixel_size, "pixel_size")
     count = int(inside.sum())
     result = _memory.empty((len(angles), count), np.float64, f"horizons of {count} pixels at {len(angles)} azimuths")
-    for number, slopes in horizon_slopes(heights, inside, step, angles):
-        result[number] = np.arctan(slopes)
+    for row, slopes in zip(result, horizon_slopes(heights, inside, step, angles), strict=True):
+        np.arctan(slopes, out=row)
     return result
 
 
 def horizon_slopes(
     depth: Floats, mask: NDArray[np.bool_], pixel_size: float, azimuths: Doubles, normals: Floats | None = None
-) -> Iterator[tuple[int, Doubles]]:
-    """Yield the number of an azimuth and the tangents of the horizons there (p,), in any order of azimuths.
+) -> Iterator[Doubles]:
+    """Yield the tangents of the horizons (p,), one azimuth after the other.
 
     With normals (p, 3), tangents are at least those of the pixel's own tangent plane, below which there is nothing to
     hide, or minus VERTICAL where the normal points away from the camera.
     """
     rows, columns = (slice(found.min(), found.max() + 1) for found in np.nonzero(mask))
     depth, mask = depth[rows, columns], mask[rows, columns]
-    down, right = -np.sin(azimuths), np.cos(azimuths)
-    along_rows = np.abs(down) < np.abs(right)
-    for turned in (False, True):
-        inside = mask.T if turned else mask
-        terrain = Terrain.of(depth.T if turned else depth, inside, pixel_size)
-        slopes = np.empty(inside.shape)
-        native = slopes.T if turned else slopes
-        for number in np.flatnonzero(along_rows == turned):
-            steps = (right[number], down[number]) if turned else (down[number], right[number])
-            slopes.fill(np.inf)
-            native[mask] = -np.inf if normals is None else tangent_plane(normals, azimuths[number])
-            terrain.raise_slopes(slopes, *steps)
-            found = native[mask]
-            found[found < -FREE * terrain.relief] = -np.inf
-            yield int(number), found
+    upright, turned = Terrain.of(depth, mask, pixel_size), Terrain.of(depth.T, mask.T, pixel_size)
+    slopes, sideways = np.empty(mask.shape), np.empty(mask.shape[::-1])
+    for azimuth in azimuths:
+        slopes.fill(np.inf)
+        slopes[mask] = -np.inf if normals is None else tangent_plane(normals, azimuth)
+        down, right = -math.sin(azimuth), math.cos(azimuth)
+        if abs(down) > AXIS:
+            upright.raise_slopes(slopes, down, right)
+        if abs(right) > AXIS:
+            sideways[:] = slopes.T
+            turned.raise_slopes(sideways, right, down)
+            slopes[:] = sideways.T
+        found = slopes[mask]
+        found[found < -FREE * upright.relief] = -np.inf
+        yield found
 
 
 def tangent_plane(normals: Floats, azimuth: float) -> Doubles:

@@ -68,14 +68,11 @@ def horizon_transport(surface: Surface, order: int, azimuths: int = AZIMUTHS) ->
         row *= weight
     angles = 2 * np.pi * np.arange(number) / number
     hidden, width = HiddenLight.of(order), 2 * np.pi / number
+    horizons = horizon_slopes(surface.depth, surface.mask, surface.pixel_size, angles, normals)
     slopes = np.empty((TOGETHER, len(normals)))
-    waiting: list[int] = []
-    for which, found in horizon_slopes(surface.depth, surface.mask, surface.pixel_size, angles, normals):
-        slopes[len(waiting)] = found
-        waiting.append(which)
-        if len(waiting) == TOGETHER:
-            hidden.take_away(result, normals, slopes, angles[waiting], width)
-            waiting.clear()
-    if waiting:
-        hidden.take_away(result, normals, slopes[: len(waiting)], angles[waiting], width)
+    for first in range(0, number, TOGETHER):
+        some = angles[first : first + TOGETHER]
+        for row in slopes[: len(some)]:
+            row[:] = next(horizons)
+        hidden.take_away(result, normals, slopes[: len(some)], some, width)
     return result

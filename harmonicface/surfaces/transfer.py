@@ -6,6 +6,8 @@ from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import count
 from harmonicface.surfaces.horizon_transport import horizon_transport
+from harmonicface.surfaces.interreflection import depth_exchange, with_bounces
+from harmonicface.surfaces.ray_transport import ray_transport
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.transport import Transport
 
@@ -13,8 +15,9 @@ from harmonicface.surfaces.transport import Transport
 def transport(surface: Surface, order: int = 4, bounces: int = 0) -> Transport:
     """Return how much of each harmonic light reaches the pixels of a Surface past what casts shadows.
 
-    A Surface that was seen from a mesh is shadowed by all of the mesh, one with depth alone by its depth. What has been
-    computed is kept in `surface.transports` (and by `surface.save`), and not computed again for a lower order.
+    A Surface that was seen from a mesh is shadowed by all of the mesh (`ray_transport`), one with depth alone by its
+    depth (`horizon_transport`), whose triangles throw light back if there are bounces. What has been computed is kept
+    in `surface.transports` (and by `surface.save`), and not computed again for a lower order.
 
     Parameters
     ----------
@@ -53,8 +56,14 @@ def transport(surface: Surface, order: int = 4, bounces: int = 0) -> Transport:
 
 def _computed(surface: Surface, order: int, bounces: int) -> Transport:
     """Compute the transport by the way that the Surface allows."""
-    if surface.scene is None and surface.depth is None:
+    if surface.scene is not None:
+        return Transport(ray_transport(surface, order, bounces), bounces)
+    if surface.depth is None:
         raise HarmonicFaceError(
             "surface: expected depth, which casts the shadows, got a Surface with neither depth nor scene"
         )
-    return Transport(horizon_transport(surface, order), bounces)
+    direct = horizon_transport(surface, order)
+    if bounces:
+        thrown = depth_exchange(surface).bounced(direct.T, bounces)
+        return Transport(with_bounces(direct, thrown).astype(direct.dtype), bounces)
+    return Transport(direct)
