@@ -6,16 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.recognition.baselines import BASELINES, Baseline, baseline
-from harmonicface.recognition.models import SUBSPACE_MODELS
+from harmonicface.recognition.displaced import ShiftSearch
+from harmonicface.recognition.models import SUBSPACE_MODELS, subspace_model
 from harmonicface.surfaces.surface import Surface
 
-EVERY_METHOD = (*BASELINES, *SUBSPACE_MODELS)
-SHADOWED = ("harmonic_shadowed",)  # what needs depth, and photographs in which it casts shadows
-METHODS = tuple(method for method in EVERY_METHOD if method not in SHADOWED)
+SHADOWED = ("harmonic_shadowed", "harmonic_shadowed_fixed")  # they need depth, and photographs with cast shadows
+METHODS = (*BASELINES, *(model for model in SUBSPACE_MODELS if model not in SHADOWED))
+EVERY_METHOD = (*METHODS, *SHADOWED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +67,32 @@ class GalleryContender:
         return self._index[self.gallery.match(photo).candidates[0].name]
 
 
+class ShiftedContender:
+    """A subspace model in a photograph that may be shifted a little: plain projection at the best shift."""
+
+    def __init__(self, model: str) -> None:
+        self.search = ShiftSearch()
+        self.model = model
+
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory that a person costs."""
+        return self.search.bytes_per_person
+
+    def enroll(self, people: Sequence[Person]) -> None:
+        """Enrol the Surface of everybody."""
+        pictures_of = subspace_model(self.model)
+        for person in people:
+            images = pictures_of(person.surface)
+            pictures = np.zeros((len(images), *person.surface.shape), images.dtype)
+            pictures[:, person.surface.mask] = images
+            self.search.enroll(pictures)
+
+    def nearest(self, photo: Floats) -> int:
+        """Return the index of the person with the best score."""
+        return int(self.search.match(photo).scores.argmin())
+
+
 class PhotographContender:
     """A method that learns from photographs alone."""
 
@@ -92,6 +121,10 @@ def contender(method: str) -> Contender:
     HarmonicFaceError
         There is no method of that name.
     """
+    if method == "harmonic_shadowed":
+        return ShiftedContender(method)
+    if method == "harmonic_shadowed_fixed":
+        return GalleryContender("harmonic_shadowed")
     if method in SUBSPACE_MODELS:
         return GalleryContender(method)
     if method in BASELINES:

@@ -53,7 +53,8 @@ def evaluate_yale_b(
     intensities, no alignment, no filtering (Georghiades, Belhumeur & Kriegman 2001; Lee, Ho & Kriegman 2005).
 
     Methods with cast shadows get the same training photographs registered to each other first, and the depth that the
-    normals integrate to; the others take the photographs as they are, as was published.
+    normals integrate to; the others take the photographs as they are, as was published. "harmonic_shadowed" looks for
+    a shift of the query by up to 6 pixels while it projects, at half the size; "harmonic_shadowed_fixed" does not.
 
     Parameters
     ----------

@@ -12,11 +12,11 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.subspace import Subspace
-from harmonicface.stereo.motion import STILL, Matrix, checked_motion, displacement, resample, then
+from harmonicface.stereo.motion import STILL, Matrix, checked_motion, displacement, seen_through, then
 
 MOTIONS = {"shift": 2, "rigid": 3, "similarity": 4}  # parameters: right, down, turn, growth
 ROUNDS = 20  # most photographs need four to eight
-SMALLEST_STEP = 0.005  # pixels in the mean: what is nearer is the same place
+SMALLEST_STEP = 0.01  # pixels in the mean: what is nearer is the same place
 SHORTEST = 1 / 16  # of a step: what does not improve the distance then is its minimum
 
 
@@ -91,7 +91,7 @@ def align(
     found = Alignment(checked_motion(start), 1.0)
     for rows in levels:
         factor = pixels.shape[0] // rows.shape[1]
-        found = _descend(reduced(pixels[None], factor)[0], rows, _resized(found.motion, 1 / factor), MOTIONS[motion])
+        found = _descend(_small(pixels, factor), rows, _resized(found.motion, 1 / factor), MOTIONS[motion])
         found = Alignment(_resized(found.motion, factor), found.distance)
     return found
 
@@ -143,20 +143,21 @@ def reduced(images: Floats, factor: int) -> Floats:
     return np.asarray(images.reshape(count, height // factor, factor, width // factor, factor).mean(axis=(2, 4)))
 
 
-def _descend(photo: Floats, rows: NDArray[np.float32], motion: Matrix, parameters: int) -> Alignment:
+def _descend(photo: NDArray[np.float32], rows: NDArray[np.float32], motion: Matrix, parameters: int) -> Alignment:
     """Step downhill from a motion at one size."""
     flat = rows.reshape(len(rows), -1)
-    seen = resample(photo, motion)[0]
+    seen = seen_through(photo, motion)
     residual, distance = _unexplained(seen, flat)
     for _ in range(ROUNDS):
         derivatives = _derivatives(seen)[:parameters]
         derivatives -= (derivatives @ flat.T) @ flat
-        step = np.linalg.lstsq(derivatives.T, -residual, rcond=1e-6)[0].astype(np.float64)
+        curvature = (derivatives @ derivatives.T).astype(np.float64)
+        step = np.linalg.lstsq(curvature, -(derivatives @ residual).astype(np.float64), rcond=1e-9)[0]
         share, moved = 1.0, False
         while share >= SHORTEST:
             small = _small_motion(share * step, photo.shape)
             candidate = then(small, motion)
-            seen_there = resample(photo, candidate)[0]
+            seen_there = seen_through(photo, candidate)
             residual_there, distance_there = _unexplained(seen_there, flat)
             if distance_there < distance:
                 motion, seen, residual, distance, moved = candidate, seen_there, residual_there, distance_there, True
@@ -165,6 +166,11 @@ def _descend(photo: Floats, rows: NDArray[np.float32], motion: Matrix, parameter
         if not moved or displacement(small, photo.shape) < SMALLEST_STEP:
             break
     return Alignment(motion, distance)
+
+
+def _small(photo: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
+    """Return a photograph at a reduced size."""
+    return np.ascontiguousarray(reduced(photo[None], factor)[0], np.float32)
 
 
 def _unexplained(seen: NDArray[np.float32], rows: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:

@@ -74,6 +74,11 @@ class ShiftSearch:
     def __len__(self) -> int:
         return len(self._rows)
 
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory of a person's rows, on average."""
+        return sum(rows.nbytes for rows in self._rows) / len(self._rows) if self._rows else 0.0
+
     def enroll(self, images: ArrayLike) -> None:
         """Add a person by the pictures (k, h, w) that span hers.
 

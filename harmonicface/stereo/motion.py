@@ -51,15 +51,19 @@ def resample(image: ArrayLike, motion: ArrayLike) -> tuple[NDArray[np.float32], 
     if pixels.ndim != 2 or pixels.size == 0:
         raise HarmonicFaceError(f"image: expected shape (h, w), got {_validate.describe(pixels)}")
     matrix = checked_motion(motion)
-    pixels = np.ascontiguousarray(pixels, np.float32)
+    return seen_through(np.asarray(pixels, np.float32), matrix), _inside(matrix, pixels.shape)
+
+
+def seen_through(pixels: NDArray[np.float32], motion: Matrix) -> NDArray[np.float32]:
+    """Return the same picture for an image and a motion that are known to be good."""
     seen = cv2.warpAffine(
         pixels,
-        matrix,
+        motion,
         (pixels.shape[1], pixels.shape[0]),
         flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    return np.clip(seen, pixels.min(), pixels.max()), _inside(matrix, pixels.shape)
+    return np.asarray(np.clip(seen, pixels.min(), pixels.max(), out=seen))
 
 
 def checked_motion(motion: ArrayLike) -> Matrix:

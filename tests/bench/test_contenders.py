@@ -12,6 +12,7 @@ from harmonicface.bench.contenders import (
     GalleryContender,
     Person,
     PhotographContender,
+    ShiftedContender,
     contender,
 )
 from harmonicface.recognition.correlation import Correlation
@@ -27,7 +28,7 @@ PEOPLE = [
 def test_the_names() -> None:
     photographs = ("correlation", "eigenfaces", "eigenfaces_minus3", "fisherfaces", "lbph")
     assert list(METHODS) == [*photographs, "linear3", "ambient4", "harmonic9"]
-    assert [*METHODS, "harmonic_shadowed"] == list(EVERY_METHOD)
+    assert [*METHODS, "harmonic_shadowed", "harmonic_shadowed_fixed"] == list(EVERY_METHOD)
 
 
 @pytest.mark.parametrize(
@@ -47,11 +48,20 @@ def test_methods_that_learn_from_photographs(name: str, kind: type, dropped: int
     assert getattr(made._baseline, "_drop_first", None) == dropped
 
 
-@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9", "harmonic_shadowed"])
+@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9"])
 def test_methods_that_know_the_surface(name: str) -> None:
     made = contender(name)
     assert isinstance(made, GalleryContender)
     assert made.gallery.model == name
+
+
+def test_shadows_with_and_without_a_search_for_shifts() -> None:
+    searching, fixed = contender("harmonic_shadowed"), contender("harmonic_shadowed_fixed")
+    assert isinstance(searching, ShiftedContender) and isinstance(fixed, GalleryContender)
+    assert searching.model == fixed.gallery.model == "harmonic_shadowed"
+    assert searching.bytes_per_person == fixed.bytes_per_person == 0
+    searching.enroll(PEOPLE)
+    assert searching.bytes_per_person == 25 * 12 * 12 * 4
 
 
 @pytest.mark.parametrize("name", EVERY_METHOD)
@@ -63,7 +73,7 @@ def test_everybody_is_found_in_an_enrolled_photograph(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "rows"), [("linear3", 3), ("ambient4", 4), ("harmonic9", 9), ("harmonic_shadowed", 25)]
+    ("name", "rows"), [("linear3", 3), ("ambient4", 4), ("harmonic9", 9), ("harmonic_shadowed_fixed", 25)]
 )
 def test_memory_of_a_gallery_is_its_rows(name: str, rows: int) -> None:
     method = contender(name)
@@ -78,5 +88,7 @@ def test_contenders_are_fresh() -> None:
 
 
 def test_no_such_method() -> None:
-    with pytest.raises(hf.HarmonicFaceError, match=r"method: expected one of correlation, .*harmonic_shadowed, got 'magic'"):
+    with pytest.raises(
+        hf.HarmonicFaceError, match=r"method: expected one of correlation, .*harmonic_shadowed_fixed, got 'magic'"
+    ):
         contender("magic")
