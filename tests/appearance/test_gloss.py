@@ -211,3 +211,11 @@ def test_what_is_no_material(coat: object) -> None:
 def test_lobes_too_narrow_for_harmonics() -> None:
     with pytest.raises(hf.HarmonicFaceError, match="expected a lobe wide enough for harmonics"):
         gloss(BALL, LAMPS, Phong(1e6, 1), order=2)
+
+
+@pytest.mark.parametrize("coat", [Phong(30, 1), Microfacet(0.15)], ids=repr)
+def test_fine_pixels_of_a_map_are_put_together(coat: Material) -> None:
+    fine = hf.EnvironmentMap(RNG.uniform(size=(200, 400)) ** 20)
+    expected = math.pi * strength_of(coat) * (lobe_of(coat, MIRRORED @ fine.lamps()[0].T) @ fine.lamps()[1])
+    found = gloss(BALL, fine, coat)
+    assert np.linalg.norm(found - expected) < 1.5e-3 * np.linalg.norm(expected)
