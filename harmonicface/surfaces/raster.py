@@ -151,15 +151,16 @@ def _resolve(
 def _picture(triangles: Triangles, seen: NDArray[np.int64], shape: tuple[int, int]) -> Raster:
     """Return the picture of the nearest triangles."""
     pixel = np.flatnonzero(seen < NOTHING)
-    job = seen[pixel]
+    job = seen.take(pixel)
     row, column = np.divmod(pixel, shape[1])
-    weights = np.empty((len(pixel), 3))
-    for corner in range(3):
-        x, y, dx, dy = (triangles.edges[:, part, corner].take(job) for part in range(4))
-        weights[:, corner] = dx * (row + 0.5 - y) - dy * (column + 0.5 - x)
-    weights /= (weights[:, 0] + weights[:, 1] + weights[:, 2])[:, None]
+    across, down = column + 0.5, row + 0.5
+    weights = np.empty((3, len(pixel)))
+    for weight, (x, y, dx, dy) in zip(weights, triangles.edges.transpose(1, 0, 2), strict=True):
+        np.subtract(dx.take(job) * (down - y.take(job)), dy.take(job) * (across - x.take(job)), out=weight)
+    weights /= weights[0] + weights[1] + weights[2]
+    depth = sum(weight * z.take(job) for weight, z in zip(weights, triangles.z, strict=True))
     result = Raster(np.full(shape, -1, dtype=np.int32), np.zeros((*shape, 3)), np.full(shape, np.nan))
-    result.triangle.reshape(-1)[pixel] = triangles.number[job]
-    result.weights.reshape(-1, 3)[pixel] = weights
-    result.depth.reshape(-1)[pixel] = np.einsum("pk,pk->p", weights, triangles.z[job])
+    result.triangle.reshape(-1)[pixel] = triangles.number.take(job)
+    result.weights.reshape(-1, 3)[pixel] = weights.T
+    result.depth.reshape(-1)[pixel] = depth
     return result

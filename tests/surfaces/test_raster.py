@@ -141,6 +141,7 @@ def test_big_triangles_are_cut_into_tiles_without_a_seam(monkeypatch):
     monkeypatch.setattr(module, "LARGEST_TILE", 16)
     monkeypatch.setattr(module, "TILES", 50)
     monkeypatch.setattr(module, "CANDIDATES", 500)
+    monkeypatch.setattr(module, "FEW", 0)
     cut = rasterize(points, faces, (200, 300))
     np.testing.assert_array_equal(whole.triangle, cut.triangle)
     np.testing.assert_array_equal(whole.depth, cut.depth)
