@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,16 +12,24 @@ from harmonicface.people.mottling import edge, field_at
 
 Array = NDArray[np.float64]
 
+StrandField = Callable[[NDArray[np.float32], float, float], Array]
+
 STRAND_WIDTH = 1.0  # mm between neighbouring tufts of hair
 STRAND_LENGTH = 5.0
 BRISTLE_LENGTH = 1.6
 
 
-def hair_cover(complexion: Complexion, x: Array, y: Array, blur: float) -> tuple[Array, Array]:
-    """Return the share of hair, 0 to 1, and its lightness by strands, about 0.6 to 1.4, at places in mm, (p,) each."""
+def hair_cover(
+    complexion: Complexion, x: Array, y: Array, blur: float, field: StrandField | None = None
+) -> tuple[Array, Array]:
+    """Return the share of hair, 0 to 1, and its lightness by strands, about 0.6 to 1.4, at places in mm, (p,) each.
+
+    The field of strands is that of the frontal plane unless another is given.
+    """
+    strands_at = field or (lambda knots, across, up: field_at(knots, x, y, across, up))
     fade = float(np.exp(-0.5 * (blur / STRAND_WIDTH) ** 2))
-    upright = fade * field_at(complexion.strands, x, y, STRAND_WIDTH, STRAND_LENGTH)
-    bristles = fade * field_at(complexion.strands, x, y, STRAND_WIDTH, BRISTLE_LENGTH)
+    upright = fade * strands_at(complexion.strands, STRAND_WIDTH, STRAND_LENGTH)
+    bristles = fade * strands_at(complexion.strands, STRAND_WIDTH, BRISTLE_LENGTH)
     cover = np.maximum(_beard(complexion, x, y, bristles), _scalp(complexion, x, y, upright, blur))
     cover = np.maximum(cover, _brows(complexion, x, y, blur, fade))
     return cover, np.clip(1 + 0.2 * np.where(y > 0, upright, bristles), 0.5, 1.6)

@@ -29,6 +29,7 @@ REDNESS = (  # height, then centre and standard deviations across and up in mm: 
     (0.3, 0.0, -98.0, 14.0, 9.0),
     (0.35, 28.0, -6.0, 15.0, 8.0),
 )
+TUFT = 4.0  # mm between the tufts that make the hairline ragged
 NOSTRIL = 0.6  # of the light that skin outside reflects is lost inside
 
 
@@ -89,7 +90,7 @@ def head_textures(model: HeadModel, skin: HeadSkin, side: int, *, colour: bool) 
 def _dressed(texels: HeadTexels, complexion: Complexion) -> HeadTexels:
     """Return the texels with the share of the face and with the hair of the head."""
     places = texels.points
-    strands = np.exp(-0.5 * (texels.blur / STRAND_WIDTH) ** 2) * texels.field(complexion.strands, 4 * STRAND_WIDTH)
+    strands = np.exp(-0.5 * (texels.blur / STRAND_WIDTH) ** 2) * texels.field(complexion.strands, TUFT, TUFT)
     height = above_hairline(places, complexion.fringe) + 1.5 * strands
     scalp = SCALP_COVER * edge(height, 5 + texels.blur) * (1 - ear_share(places))
     return dataclasses.replace(texels, front=face_share(places), scalp=scalp)
@@ -102,5 +103,5 @@ def _redness(skin: HeadSkin, texels: HeadTexels) -> Array:
         height * np.exp(-0.5 * (((x - across) / wide) ** 2 + ((y - up) / tall) ** 2))
         for height, across, up, wide, tall in REDNESS
     )
-    blotches = 0.12 * texels.field(skin.complexion.grain[1], GRAIN[1])
+    blotches = 0.12 * texels.field(skin.complexion.grain[1], GRAIN[1], GRAIN[1])
     return np.asarray(np.clip(texels.front * face + 0.8 * ear_share(texels.points) + blotches, -0.5, 1.2))

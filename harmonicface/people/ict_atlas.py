@@ -39,8 +39,8 @@ class HeadTexels(SkinPixels):
     points: Array
     facing: Array
 
-    def field(self, knots: NDArray[np.float32], spacing: float) -> Array:
-        """Return the random field through knots, looked at from the front, from the sides and from above, (p,).
+    def field(self, knots: NDArray[np.float32], across: float, up: float) -> Array:
+        """Return the random field through knots, some mm apart, looked at from the front, from the sides and from above, (p,).
 
         Each view counts where the skin faces it, so the field is nowhere stretched; and as it depends on the place on
         the head alone, it is the same on both sides of a cut in the texture.
@@ -48,7 +48,7 @@ class HeadTexels(SkinPixels):
         x, y, z = self.points.T
         along = np.sign(x) * (z + 60)  # the two sides of the head are not each other's mirror image
         views = ((along, y), (x, along), (x, y))
-        return np.asarray(sum(self.facing[:, k] * field_at(knots, *views[k], spacing, spacing) for k in range(3)))
+        return np.asarray(sum(self.facing[:, k] * field_at(knots, *views[k], across, up) for k in range(3)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,9 +51,9 @@ class SkinPixels:
     front: Array | float = 1.0
     scalp: Array | float = 0.0
 
-    def field(self, knots: NDArray[np.float32], spacing: float) -> Array:
-        """Return the random field through knots at the pixels, (p,)."""
-        return field_at(knots, self.x, self.y, spacing, spacing)
+    def field(self, knots: NDArray[np.float32], across: float, up: float) -> Array:
+        """Return the random field through knots, some mm apart, at the pixels, (p,)."""
+        return field_at(knots, self.x, self.y, across, up)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ def paint(complexion: Complexion, pixels: SkinPixels) -> Paint:
     skin = complexion.tone * np.exp(_tint(complexion, pixels))
     lips = pixels.front * _lips(x, y, blur)
     skin *= 1 + lips * (complexion.lips - 1)
-    cover, strands = hair_cover(complexion, x, y, blur)
+    cover, strands = hair_cover(complexion, x, y, blur, pixels.field)
     cover = np.maximum(pixels.front * cover * (1 - 0.9 * lips), pixels.scalp)
     skin += cover * (complexion.hair * strands - skin)
     skin *= _creases(complexion, x, y, blur) ** pixels.front
@@ -121,7 +121,7 @@ def _tint(c: Complexion, pixels: SkinPixels) -> Array:
     tint += c.forehead * edge(y - 20, 14) + c.mouth_region * _spot(x, y, (0.0, -74.0), 30.0, 22.0)
     tint *= pixels.front
     for knots, spacing, strength in zip(c.grain, GRAIN, GRAIN_STRENGTH, strict=True):
-        tint += strength * np.exp(-0.5 * (blur / spacing) ** 2) * pixels.field(knots, spacing)
+        tint += strength * np.exp(-0.5 * (blur / spacing) ** 2) * pixels.field(knots, spacing, spacing)
     for left, height, radius, depth in c.marks[c.marks[:, 3] != 0]:
         seen = radius**2 + blur**2
         squared = (x - left) ** 2 + (y - height) ** 2

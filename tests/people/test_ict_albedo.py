@@ -43,7 +43,8 @@ def seen_at(model, textures, part, vertices):
 
 
 @pytest.mark.data
-def test_both_sides_of_a_cut_in_the_texture_agree(model, textures):
+def test_both_sides_of_a_cut_in_the_texture_agree(model, skin):
+    textures = head_textures(model, skin, 2 * SIDE, colour=True)  # fine enough for strands of hair
     owner = np.full(len(model.source), -1)
     for part in (BACK, FACE):
         owner[np.unique(model.faces[model.parts == part])] = part
