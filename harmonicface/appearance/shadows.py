@@ -14,6 +14,7 @@ from harmonicface.lighting.light import HarmonicLight, Light
 from harmonicface.lighting.sources import DirectionalLights
 from harmonicface.surfaces.blockers import Blocker, DepthBlocker, MeshBlocker, pixel_samples
 from harmonicface.surfaces.interreflection import PATCH_RAYS, depth_exchange, mesh_exchange
+from harmonicface.surfaces.ray_transport import RAYS as TRANSPORT_RAYS
 from harmonicface.surfaces.ray_transport import direct_transport
 from harmonicface.surfaces.scene import FineSamples
 from harmonicface.surfaces.surface import Surface
@@ -32,8 +33,8 @@ def shadowed_irradiance(surface: Surface, light: Light, bounces: int = 0) -> Flo
     of its triangles), as renderers do that take a surface for opaque. A Surface with depth alone is shadowed by its
     horizons, one point a pixel.
 
-    Up to 16 directional lights cast hard shadows, tested one by one. Of any other light, 512 directions are tested at
-    each pixel, more where it is bright; the exact irradiance without shadows is multiplied by the share of them, by
+    Up to 16 directional lights cast hard shadows, tested one by one. Of any other light, 1,024 directions are tested at
+    each pixel, more where it is bright (see `light_directions`); the exact irradiance without shadows is multiplied by the share of them, by
     strength and cosine, that is open. So it is exact where nothing is in the way. Harmonic light goes through the
     transport of its order.
 
@@ -131,7 +132,7 @@ def _arriving(samples: FineSamples, blocker: Blocker, light: Light, factor: Doub
         if isinstance(part, DirectionalLights):
             result += samples.means(factor * _of_lamps(samples, blocker, part))
         elif isinstance(part, HarmonicLight):
-            reaching = direct_transport(blocker, samples, part.order, rays)
+            reaching = direct_transport(blocker, samples, part.order, min(rays, TRANSPORT_RAYS))
             result += samples.means(factor) * (reaching.T @ _columns(part.values))
         else:
             unshadowed = samples.means(factor * _columns(part.irradiance(samples.normals)))

@@ -24,6 +24,7 @@ Integers = NDArray[np.int64]
 RAYS = 512  # directions on the sphere a pixel
 PATCH_RAYS = 256  # the same for a patch
 SETS = 64
+BLOCK = 1 << 22  # what rays met, held before what falls on the same place is added up
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,17 +153,24 @@ def _form_factors(caster: RayCaster, samples: FineSamples, met: Met, pieces: int
     starts = caster.starts(samples.positions, samples.geometric)
     whole = np.zeros(samples.pixels)
     result = sparse.csr_matrix((samples.pixels, pieces))
-    rows, columns, values = [], [], []
+    found: list[tuple[Integers, Integers, Doubles]] = []
     for some in facing_rays(samples, directions):
         whole[some.pixels] = some.unshadowed.sum(axis=(0, 2))
         triangle, weights = caster.hits_from(starts[some.sample], some.directions)
         hit = np.flatnonzero(triangle >= 0)
         which, piece, share = met(triangle[hit], weights[hit], some.directions[hit])
-        rows.append(some.pixel[hit[which]])
-        columns.append(piece)
-        values.append(some.cosine[hit[which]] * share)
-    if rows:
-        entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-        result = sparse.csr_matrix(entries, shape=result.shape)  # adds up what falls on the same place
+        found.append((some.pixel[hit[which]], piece, some.cosine[hit[which]] * share))
+        if sum(len(piece) for _, piece, _ in found) > BLOCK:
+            result = result + _collected(found, result.shape)
+            found.clear()
+    result = result + _collected(found, result.shape)
     whole = np.divide(1, whole, out=whole, where=whole > 0)
     return sparse.csr_matrix(sparse.diags(whole) @ result)
+
+
+def _collected(found: list[tuple[Integers, Integers, Doubles]], shape: tuple[int, int]) -> sparse.csr_matrix:
+    """Return rows, columns and values as a matrix; values at the same place are added."""
+    if not found:
+        return sparse.csr_matrix(shape)
+    rows, columns, values = (np.concatenate(part) for part in zip(*found, strict=True))
+    return sparse.csr_matrix((values, (rows, columns)), shape=shape)

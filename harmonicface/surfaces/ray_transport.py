@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
@@ -19,6 +21,7 @@ from harmonicface.surfaces.visible_sums import Doubles, sphere_directions, visib
 RAYS = 512  # directions on the sphere a pixel; half of them are below its horizon and cost nothing
 SETS = 64
 BLOCK = 1 << 14  # normals whose harmonics are held at once
+TOGETHER = 1 << 15  # pixels whose sums are held at once
 
 
 def ray_transport(surface: Surface, order: int = 4, bounces: int = 0, rays: int = RAYS) -> Floats:
@@ -77,14 +80,20 @@ def direct_transport(blocker: Blocker, samples: FineSamples, order: int, rays: i
     parts = samples.slots.shape[1]
     directions = sphere_directions(SETS, -(-rays // parts) * parts)
     harmonics = np.moveaxis(real_harmonics(directions, order), 0, -1)  # (sets, r, k)
-    visible, everything = visible_sums(blocker, samples, directions, 4 * np.pi / directions.shape[1] * harmonics)
-    share = np.divide(visible[0], everything[0], out=np.zeros(samples.pixels), where=everything[0] > 0)
-    return np.asarray(visible + share * (unshadowed_transport(samples, order) - everything))
+    brought = 4 * np.pi / directions.shape[1] * harmonics
+    result = unshadowed_transport(samples, order)
+    for first in range(0, samples.pixels, TOGETHER):
+        some = slice(first, first + TOGETHER)
+        visible, everything = visible_sums(blocker, replace(samples, slots=samples.slots[some]), directions, brought)
+        share = np.divide(visible[0], everything[0], out=np.zeros_like(visible[0]), where=everything[0] > 0)
+        result[:, some] = visible + share * (result[:, some] - everything)
+    return result
 
 
 def unshadowed_transport(samples: FineSamples, order: int) -> Doubles:
     """Return A_l Y_lm of the normals, averaged over the samples of each pixel, (k, p)."""
-    result = np.empty((count(order), samples.pixels))
+    shape = (count(order), samples.pixels)
+    result: Doubles = _memory.empty(shape, np.float64, f"transport of order {order} at {samples.pixels} pixels")
     counts = np.bincount(samples.pixel, minlength=samples.pixels)
     ends = np.cumsum(counts)  # samples are in the order of their pixels
     step = max(1, BLOCK // samples.slots.shape[1])
@@ -93,4 +102,5 @@ def unshadowed_transport(samples: FineSamples, order: int) -> Doubles:
         starts = ends[some] - counts[some]
         harmonics = real_harmonics(samples.normals[starts[0] : ends[some][-1]], order)
         result[:, some] = np.add.reduceat(harmonics, starts - starts[0], axis=1) / counts[some]
-    return result * lambertian_weights(order)[:, None]
+    result *= lambertian_weights(order)[:, None]
+    return result
