@@ -44,6 +44,7 @@ def glb_complaint(data: bytes) -> str:
         needed = [name for name in document.get("extensionsRequired", []) if not name.startswith(HARMLESS)]
         if needed:
             return f"expected a GLB file without extensions that change its geometry, got {', '.join(needed)[:100]}"
+        glb_counts(data)
         return next(filter(None, (_accessor_complaint(document, one) for one in document.get("accessors", []))), "")
     except HarmonicFaceError:
         raise

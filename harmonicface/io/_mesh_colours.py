@@ -66,6 +66,8 @@ def read_colours(geometry: Any, count: int) -> tuple[Doubles | None, NDArray[np.
     visual = geometry.visual
     uv, material = getattr(visual, "uv", None), getattr(visual, "material", None)
     uv = None if uv is None or len(uv) != count else np.array(uv, dtype=np.float64)
+    if uv is not None and uv.shape != (count, 2):
+        raise HarmonicFaceError(f"expected two texture coordinates a vertex, got an array of shape {uv.shape}")
     if uv is not None and not np.isfinite(uv).all():
         raise HarmonicFaceError("expected finite texture coordinates, got NaN or infinite ones")
     texture = _texture(material, uv)

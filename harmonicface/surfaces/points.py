@@ -21,6 +21,7 @@ NEIGHBOURS = 8  # the distance to so many is a disc's radius
 WIDEST = 3.0  # times the median radius: a point that lies alone fills no more
 NARROWEST = 0.75  # pixels: more than half a diagonal, so that every disc that faces the camera has a pixel's centre
 THICKNESS = 2.0  # radii behind the nearest disc that still belong to the same layer
+EDGE_ON = 1e-6  # the z of a normal below which a disc is a line that nobody sees
 FRAGMENTS = 1 << 20  # pixels of discs that are looked at at once
 BYTES_A_POINT = 600  # measured, rounded up
 
@@ -127,7 +128,7 @@ class _Discs:
         reach = np.ceil(self.radius / self.pixel_size).astype(np.int64)
         begins = self.centres[:, :2] + reach[:, None] >= 0
         ends = self.centres[:, :2] - reach[:, None] <= np.array([shape[1], shape[0]])
-        near = np.flatnonzero((begins & ends).all(axis=1) & (self.normals[:, 2] > 0))
+        near = np.flatnonzero((begins & ends).all(axis=1) & (self.normals[:, 2] > EDGE_ON))
         for steps in np.unique(reach[near]):
             group = near[reach[near] == steps]
             across, down = (grid.ravel() for grid in np.mgrid[-steps : steps + 1, -steps : steps + 1])

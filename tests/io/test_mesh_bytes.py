@@ -95,6 +95,35 @@ def test_a_glb_that_needs_what_is_not_understood_is_refused(tmp_path, ball):
     assert len(read_mesh(tmp_path / "b.glb").faces) == len(ball.faces)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda document: document["meshes"][0].pop("primitives"),
+        lambda document: document["meshes"][0]["primitives"][0]["attributes"].pop("POSITION"),
+        lambda document: document["meshes"][0]["primitives"][0].update(indices=99),
+        lambda document: document["meshes"][0].update(primitives=7),
+        lambda document: document.update(meshes=[1e308]),
+        lambda document: document.update(accessors=[]),
+        lambda document: document["accessors"][0].update(componentType=1),
+        lambda document: document["accessors"][0].update(type="VEC9"),
+        lambda document: document.update(bufferViews=None),
+        lambda document: document.update(nodes="x"),
+    ],
+)
+def test_json_of_another_form_is_refused(tmp_path, ball, change):
+    refused(tmp_path, "a.glb", changed_glb(ball, change), "cut short or corrupt: [A-Z]")
+
+
+def test_texture_coordinates_have_two_numbers(tmp_path, ball):
+    def three(document):
+        primitive = document["meshes"][0]["primitives"][0]
+        primitive["attributes"]["TEXCOORD_0"] = primitive["attributes"]["POSITION"]
+        primitive["material"] = 0
+        document["materials"] = [{}]
+
+    refused(tmp_path, "a.glb", changed_glb(ball, three), "expected two texture coordinates a vertex, got an array of")
+
+
 def test_json_that_is_none_is_refused(tmp_path, ball):
     data = bytearray(ball.export(file_type="glb"))
     data[20:24] = b"]]]]"

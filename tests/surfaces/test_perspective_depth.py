@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from harmonicface.appearance.render import render
+from harmonicface.bench.hard_surfaces import bumpy_mesh, nine_images
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.surfaces.depth import surface_from_depth
+from harmonicface.surfaces.mesh import surface_from_mesh
 from harmonicface.surfaces.perspective import rays
 from harmonicface.surfaces.samples import sample
+from harmonicface.surfaces.transfer import transport
 
 INTRINSICS = (50.0, 45.0, 20.3, 14.8)
 SHAPE = (30, 40)
@@ -123,3 +127,43 @@ def test_a_pixel_without_a_triangle_is_left_outside():
     """One pixel has neighbours beside and below, those have not: a normal, and nothing to span."""
     with pytest.raises(HarmonicFaceError, match="expected three neighbouring pixels without a step"):
         surface_from_depth(LONELY, intrinsics=(4, 4, 3, 3))
+
+
+def test_shadows_follow_the_true_shape():
+    """A plate before a wall, light from the right: the pinhole's shadow falls where the rays through it say."""
+    z = np.full(SHAPE, -4.0)
+    z[8:20, 16:24] = -3.0
+    surface = surface_from_depth(z, intrinsics=INTRINSICS)
+    light = np.array([0.6, 0.0, 0.8])
+    places = z[..., None] * rays(INTRINSICS, SHAPE)
+    lit = render(surface, light, shadows=True) > 0.2
+    wall = surface.mask & (z == -4)
+    met = places + light * ((-3 - z) / light[2])[..., None]  # where the way to the light crosses the plate's plane
+    column = INTRINSICS[2] - INTRINSICS[0] * met[..., 0] / met[..., 2]
+    row = INTRINSICS[3] + INTRINSICS[1] * met[..., 1] / met[..., 2]
+    # the plate's triangles end at the centres of its outermost pixels
+    across, down = np.abs(column - 20) - 3.5, np.abs(row - 14) - 5.5
+    hidden = np.maximum(across, down)
+    assert (wall & (hidden < -0.7)).sum() > 20
+    assert not lit[wall & (hidden < -0.7)].any()
+    assert lit[wall & (hidden > 0.7)].all()
+
+
+def test_transport_of_a_wall_is_the_closed_form_up_to_its_slant():
+    z = plane((0.3, 0, 0.954), 3.0)
+    surface = surface_from_depth(z, intrinsics=INTRINSICS)
+    normal = surface.pixel_normals[0]
+    values = transport(surface, 2).values
+    expected = nine_images(normal[None])
+    assert np.abs(values - expected).max() < 0.01 * np.abs(expected).max()
+
+
+def test_a_pinhole_in_front_of_a_ball_sees_its_shadows():
+    """From afar with a long lens the transport is that of parallel rays."""
+    mesh = bumpy_mesh()
+    flat = surface_from_mesh(mesh, 16)
+    side = 1 / flat.pixel_size
+    deep = surface_from_mesh(mesh, 16, intrinsics=(1e6 * side, 1e6 * side, 8, 8), distance=1e6)
+    np.testing.assert_array_equal(flat.mask, deep.mask)
+    one, other = (transport(surface, 2).values for surface in (flat, deep))
+    np.testing.assert_allclose(other, one, atol=1e-4)

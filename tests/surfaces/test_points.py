@@ -115,6 +115,15 @@ def test_colour_is_kept_and_sizes_chunked(monkeypatch):
     np.testing.assert_array_equal(whole.mask, cut.mask)
 
 
+@pytest.mark.parametrize("tilt", [0.0, 1e-300, 1e-9])
+def test_discs_seen_edge_on_are_not_seen(tilt):
+    points = np.concatenate([on_a_wall(), on_a_wall(height=0.5)])
+    normals = walls_normals(points)
+    normals[1600:] = [1, 0, tilt]
+    surface = surface_from_points(points, normals, size=8)
+    np.testing.assert_allclose(surface.depth[surface.mask], 0, atol=1e-12)
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_units_do_not_matter(scale):
     points = on_a_sphere(3000)
