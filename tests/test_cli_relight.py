@@ -68,6 +68,7 @@ def assert_shown(path: Path, expected: np.ndarray) -> None:
         (["--light", "sky.npy", "--order", 2], hf.EnvironmentMap(MAP), {"order": 2}),
         (["--light", "sky.npy", "--exact"], hf.EnvironmentMap(MAP), {}),
         (["--light", "sky.npy", "--light", "0,0,1"], [hf.EnvironmentMap(MAP), [0, 0, 1]], {"order": 8}),
+        (["--light", "sky.npy", "--shadows"], hf.EnvironmentMap(MAP), {"order": 4, "shadows": True}),
         (["--light", "disc.npy", "--layout", "angular"], hf.EnvironmentMap(np.ones((16, 16)), "angular"), {"order": 8}),
         (["--light", "1,2,3", "--order", 2, "--shadows"], [1, 2, 3], {"order": 2, "shadows": True}),
         (["--light", "1,2,3", "--shadows"], [1, 2, 3], {"shadows": True}),

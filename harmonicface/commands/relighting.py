@@ -35,7 +35,7 @@ from harmonicface.lighting.light import Light, SumOfLights
 from harmonicface.reflectance.materials import Material, Microfacet, Phong
 from harmonicface.surfaces.surface import Surface
 
-MAP_ORDER = 8  # of maps, unless told otherwise
+MAP_ORDER, SHADOWED_ORDER = 8, 4  # of maps, unless told otherwise; shadows of a higher order take long
 BRIGHT = 0.99  # the share of pixels that stay below white, unless told otherwise
 
 
@@ -55,7 +55,10 @@ def relight(
     ] = None,
     order: Annotated[
         int | None,
-        typer.Option(help="Highest degree of the light's harmonics.", show_default=f"maps {MAP_ORDER}, others exact"),
+        typer.Option(
+            help="Highest degree of the light's harmonics.",
+            show_default=f"maps {MAP_ORDER}, with shadows {SHADOWED_ORDER}; others exact",
+        ),
     ] = None,
     exact: Annotated[bool, typer.Option("--exact", help="Sum over the light's directions, maps too: slow.")] = False,
     shadows: Annotated[bool, typer.Option("--shadows", help="With cast shadows.")] = False,
@@ -107,7 +110,9 @@ def relight(
         new = read_lights(light, layout, rotate_light)
         old = read_lights(photo_light, layout, None) if photo_light else None
         surface = _surface(source, view(size, texture, flip_texture, rotation, frame), picture)
-    highest = MAP_ORDER if order is None and not exact and (_has_map(new) or _has_map(old)) else order
+    highest = order
+    if order is None and not exact and (_has_map(new) or _has_map(old)):
+        highest = SHADOWED_ORDER if shadows or bounces else MAP_ORDER
     with _waiting("shading"):
         if picture is None:
             shown = render(surface, new, highest, coat, shadows, bounces)
