@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
-from harmonicface.harmonics.basis import real_harmonics
-from harmonicface.io.colour import LUMINANCE
-from harmonicface.reflectance.filters import lambertian_weights
+from harmonicface.harmonics.basis import scaled_harmonics
+from harmonicface.io.colour import LUMINANCE, luminance
+from harmonicface.reflectance.filters import lambertian_filter
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.transfer import transport
 
@@ -54,12 +55,14 @@ def harmonic_images(surface: Surface, order: int = 2, shadows: bool = False, bou
     """
     if shadows or bounces:
         return _shadowed_images(surface, order, bounces)
-    images = real_harmonics(surface.pixel_normals, order)
-    albedo = surface.grey_albedo.astype(images.dtype, copy=False)
-    for weight, image in zip(lambertian_weights(order), images, strict=True):
-        np.multiply(image, albedo, out=image)
-        image *= weight
-    return images
+    normals, albedo = _pixels(surface.normals, surface.mask), _pixels(surface.albedo, surface.mask)
+    return scaled_harmonics(normals, order, lambertian_filter(order), luminance(albedo) if albedo.ndim == 2 else albedo)
+
+
+def _pixels(values: Floats, mask: NDArray[np.bool_]) -> Floats:
+    """Return the masked pixels in row-major order, without a copy where they are all of them."""
+    flat = values.reshape(-1, *values.shape[2:])
+    return flat if mask.all() else flat.take(np.flatnonzero(mask), axis=0)
 
 
 def _shadowed_images(surface: Surface, order: int, bounces: int) -> Floats:

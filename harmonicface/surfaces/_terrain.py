@@ -63,7 +63,7 @@ class Terrain:
         for first in range(0, height, size):
             box = (slice(first, min(first + size, height)), slice(0, width))
             for octave in octaves(last):
-                box = self._still_blocked(slopes, box, ahead, sign * octave[0], octave[0] * length)
+                box = self._still_blocked(slopes, box, ahead, sign * octave[0], octave[0] * length, last * length)
                 if box[0].start >= box[0].stop:
                     break
                 for step in octave:
@@ -74,15 +74,18 @@ class Terrain:
         rows = self.heights.max(axis=1)[::-sign]
         return np.asarray(np.maximum.accumulate(rows)[::-sign])
 
-    def _still_blocked(self, slopes: Doubles, box: Rectangle, ahead: Doubles, down: int, distance: float) -> Rectangle:
-        """Return the part of a box whose slopes may be raised by what is at least so many rows and so far away."""
+    def _still_blocked(
+        self, slopes: Doubles, box: Rectangle, ahead: Doubles, down: int, near: float, far: float
+    ) -> Rectangle:
+        """Return the part of a box whose slopes may be raised by rows so far down or beyond, from near to far."""
         rows, columns = box
         rows = slice(max(rows.start, -down), max(min(rows.stop, len(ahead) - down), 0))
         if rows.start >= rows.stop:
             return slice(0, 0), columns
         here = (rows, columns)
         highest = ahead[rows.start + down : rows.stop + down, None]
-        blocked = np.asarray(highest - self.heights[here] > slopes[here] * distance)
+        needed = np.minimum(slopes[here] * near, slopes[here] * far)  # downward a line is lowest at its far end
+        blocked = np.asarray(highest - self.heights[here] > needed)
         return _shrunk(rows, blocked, 1), _shrunk(columns, blocked, 0)
 
     def _raise(

@@ -7,6 +7,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harmonicface as hf
+from harmonicface.surfaces.transfer import transport
+from harmonicface.surfaces.transport import Transport
 
 RNG = np.random.default_rng(0)
 NORMALS = RNG.normal(size=(6, 5, 3))
@@ -80,3 +82,69 @@ def test_the_surface_is_left_alone() -> None:
 def test_no_order() -> None:
     with pytest.raises(hf.HarmonicFaceError, match="order: expected an integer of at least 0"):
         hf.harmonic_images(hf.Surface(NORMALS, ALBEDO, MASK), order=-1)
+
+
+def stairs(albedo: np.ndarray | float = 0.5) -> hf.Surface:
+    depth = np.repeat(np.cumsum([0.0, 0, 3, 0, 0, 2, -4, 0, 0, 1]), 2).reshape(1, -1) * np.ones((12, 1))
+    depth[4:6, 7:9] = np.nan
+    return hf.surface_from_depth(depth, albedo)
+
+
+@pytest.mark.parametrize("order", [0, 2, 4, 8])
+def test_images_with_shadows_are_albedo_times_transport(order: int) -> None:
+    surface = stairs(RNG.uniform(0.1, 1, (12, 20)))
+    expected = surface.pixel_albedo * transport(surface, order).values
+    images = hf.harmonic_images(surface, order, shadows=True)
+    assert images.flags.c_contiguous
+    assert_allclose(images, expected, rtol=1e-14)
+    assert np.linalg.norm(images - hf.harmonic_images(surface, order)) > 0.05 * np.linalg.norm(images)
+
+
+def test_bounces_imply_shadows_and_bring_light() -> None:
+    surface = stairs()
+    direct = hf.harmonic_images(surface, 0, shadows=True)
+    bounced = hf.harmonic_images(surface, 0, bounces=1)
+    assert_allclose(bounced, 0.5 * transport(surface, 0, bounces=1).values, rtol=1e-14)
+    assert (bounced >= direct).all() and bounced.sum() > direct.sum()
+
+
+@pytest.mark.parametrize("bounces", [0, 1])
+def test_coloured_shadows_are_the_luminance_of_the_coloured_picture(bounces: int) -> None:
+    colour = RNG.uniform(0.1, 1, (12, 20, 3))
+    surface = stairs(colour)
+    values = transport(surface, 2, bounces).values
+    assert values.ndim == 2 + bounces
+    light = RNG.normal(size=9)
+    arriving = np.tensordot(light, values, (0, 0)).reshape(len(surface.pixel_albedo), -1)
+    expected = (surface.pixel_albedo * arriving) @ [0.2126, 0.7152, 0.0722]
+    grey = light @ hf.harmonic_images(surface, 2, shadows=True, bounces=bounces)
+    assert_allclose(grey, expected, rtol=0, atol=1e-12)
+
+
+def test_grey_skin_with_coloured_transport() -> None:
+    coloured = Transport(RNG.normal(size=(4, int(MASK.sum()), 3)), bounces=1)
+    surface = hf.Surface(NORMALS, ALBEDO, MASK, transports=[coloured])
+    expected = ALBEDO[MASK] * (coloured.values @ [0.2126, 0.7152, 0.0722])
+    assert_allclose(hf.harmonic_images(surface, 1, bounces=1), expected, rtol=0, atol=1e-12)
+
+
+def test_single_precision_stays_single_in_the_shadow() -> None:
+    double = stairs()
+    single = hf.Surface(double.normals.astype(np.float32), double.albedo.astype(np.float32), double.mask, double.depth)
+    images = hf.harmonic_images(single, 4, shadows=True)
+    assert images.dtype == np.float32
+    assert_allclose(images, hf.harmonic_images(double, 4, shadows=True), rtol=0, atol=2e-6)
+
+
+def test_a_ball_casts_no_shadow_on_itself() -> None:
+    y, x = np.mgrid[15.5:-16:-1, -15.5:16] / 15
+    z = np.sqrt(np.maximum(1 - x**2 - y**2, 0))
+    ball = hf.Surface(np.stack([x, y, z], axis=2) * (z > 0)[..., None], np.ones(z.shape), z > 0, 15 * z)
+    assert_allclose(hf.harmonic_images(ball, 4, shadows=True), hf.harmonic_images(ball, 4), rtol=0, atol=1e-14)
+
+
+def test_shadows_need_depth() -> None:
+    with pytest.raises(hf.HarmonicFaceError, match="neither depth nor scene"):
+        hf.harmonic_images(hf.Surface(NORMALS, ALBEDO, MASK), shadows=True)
+    with pytest.raises(hf.HarmonicFaceError, match="bounces: expected"):
+        hf.harmonic_images(stairs(), bounces=-1)

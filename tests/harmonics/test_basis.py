@@ -12,7 +12,7 @@ from scipy.special import eval_legendre, sph_harm_y
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics import basis
-from harmonicface.harmonics.basis import real_harmonics
+from harmonicface.harmonics.basis import real_harmonics, scaled_harmonics
 from harmonicface.harmonics.indexing import count, degrees, index
 
 
@@ -225,3 +225,47 @@ def test_more_than_the_memory_holds_is_refused_at_once() -> None:
 def test_bad_input(directions: list, order: int, message: str) -> None:
     with pytest.raises(HarmonicFaceError, match=message):
         real_harmonics(directions, order)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("order", [0, 1, 2, 3, 6])
+def test_scaled_harmonics_are_harmonics_times_weights_and_factors(order: int, dtype: type) -> None:
+    directions = random_directions(70_001).astype(dtype)  # more than one block
+    rng = np.random.default_rng(1)
+    weights, factors = rng.normal(size=order + 1), rng.normal(size=len(directions))
+    weights[order // 2] = 0
+    expected = real_harmonics(directions, order) * weights[degrees(order)][:, None] * factors
+    out = np.empty(((order + 1) ** 2, len(directions)), dtype)
+    found = scaled_harmonics(directions, order, weights, factors, out)
+    assert found is out
+    assert_allclose(found, expected, rtol=0, atol=1e-14 if dtype is np.float64 else 4e-6)
+
+
+def test_scaled_harmonics_of_nothing() -> None:
+    assert scaled_harmonics(np.zeros((0, 3)), 2, np.ones(3), np.zeros(0)).shape == (9, 0)
+
+
+def test_scaled_harmonics_by_threads_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    directions, factors = random_directions(1000), np.random.default_rng(2).normal(size=1000)
+    alone = scaled_harmonics(directions, 2, np.ones(3), factors)
+    monkeypatch.setattr(basis, "THREADED_SIZE", 1)
+    monkeypatch.setattr(basis, "_cores", lambda: 3)
+    assert_array_equal(scaled_harmonics(directions, 2, np.ones(3), factors), alone)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((np.zeros((2, 2, 3)), 1, np.ones(2), np.ones(4)), r"directions: expected vectors of shape \(n, 3\)"),
+        ((np.zeros((4, 2)), 1, np.ones(2), np.ones(4)), r"directions: expected vectors of shape \(..., 3\)"),
+        ((np.zeros((4, 3)), -1, np.ones(2), np.ones(4)), "order: expected"),
+        ((np.zeros((4, 3)), 1, np.ones(3), np.ones(4)), r"weights: expected shape \(2,\)"),
+        ((np.zeros((4, 3)), 1, [1, np.inf], np.ones(4)), "weights: expected finite"),
+        ((np.zeros((4, 3)), 1, np.ones(2), np.ones(5)), r"factors: expected shape \(4,\)"),
+        ((np.zeros((4, 3)), 1, np.ones(2), [1, 2, np.nan, 4]), "factors: expected finite"),
+        ((np.zeros((4, 3)), 1, np.ones(2), np.ones(4), np.zeros((3, 4))), "out: expected a C-contiguous array"),
+    ],
+)
+def test_bad_scales_are_refused(arguments: tuple, message: str) -> None:
+    with pytest.raises(HarmonicFaceError, match=message):
+        scaled_harmonics(*arguments)

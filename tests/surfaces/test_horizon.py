@@ -12,7 +12,7 @@ from hypothesis.extra import numpy as arrays
 
 from harmonicface import HarmonicFaceError
 from harmonicface.surfaces._terrain import octaves
-from harmonicface.surfaces.horizon import horizons
+from harmonicface.surfaces.horizon import horizon_slopes, horizons, tangent_plane
 
 AZIMUTHS = 2 * np.pi * np.arange(16) / 16
 
@@ -67,6 +67,21 @@ def test_like_the_slow_twin_where_every_row_is_looked_at(shape):
     depth[rng.random(shape) < 0.1] = np.nan
     some = rng.uniform(-7, 7, 5)
     np.testing.assert_allclose(horizons(depth, None, 1.0, some), slow_horizons(depth, 1.0, some), rtol=0, atol=1e-9)
+
+
+@given(
+    arrays.arrays(np.float64, st.tuples(st.integers(2, 9), st.integers(2, 9)), elements=st.integers(-4, 4)),
+    st.integers(0, 99),
+)
+def test_tangent_planes_are_a_floor_and_nothing_else(depth, seed):
+    # whole numbers make many slopes equal, and normals of either sign leave floors above and below the horizons
+    normals = np.random.default_rng(seed).normal(size=(depth.size, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    mask = np.ones(depth.shape, dtype=bool)
+    some = AZIMUTHS[::3]
+    free, floored = horizon_slopes(depth, mask, 1.0, some), horizon_slopes(depth, mask, 1.0, some, normals)
+    for azimuth, slopes, above in zip(some, free, floored, strict=True):
+        np.testing.assert_allclose(above, np.maximum(slopes, tangent_plane(normals, azimuth)), rtol=1e-12, atol=1e-12)
 
 
 def test_a_wall_next_to_a_plane():
