@@ -24,7 +24,7 @@ class Displacements:
     scores
         (n,) what to rank by: distances, times the reluctance to shift.
     distances
-        (n,) sines of the angle between subspace and shifted photograph, 0 to 1.
+        (n,) sines of the angle between subspace and shifted photograph, 0 to 1; below 0.001 they are rounding.
     shifts
         (n, 2) pixels of the photograph to the right and down by which it shows the person displaced.
     """

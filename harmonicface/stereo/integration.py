@@ -121,7 +121,8 @@ def depth_from_steps(
     scale = max(right_weights.max(initial=0.0), down_weights.max(initial=0.0)) or 1.0
     right_weights, down_weights = right_weights / scale, down_weights / scale
     target = _divergence(right_weights * right, down_weights * down)
-    depth = _solve(target, right_weights, down_weights)
+    size = np.abs(target).max() or 1.0  # squares of tiny steps would vanish
+    depth = size * _solve(target / size, right_weights, down_weights)
     parts = _parts(mask, right_weights > 0, down_weights > 0)
     means = np.bincount(parts.ravel(), depth.ravel()) / np.maximum(np.bincount(parts.ravel()), 1)
     return np.where(mask, depth - means[parts], np.nan)

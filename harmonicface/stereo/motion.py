@@ -18,8 +18,9 @@ def resample(image: ArrayLike, motion: ArrayLike) -> tuple[NDArray[np.float32], 
 
     .. math:: I'(x, y) = I(M (x, y, 1)^T)
 
-    by cubic interpolation, clipped to the range of the image, which cubics overshoot. Beyond the image's border its
-    nearest pixel is repeated; there `known` is false.
+    by OpenCV's cubic interpolation, clipped to the range of the image, which cubics overshoot. It is exact at whole
+    and half pixels; in between a ramp comes out up to 0.05 pixels off, at a tenth of the time of splines. Beyond the
+    image's border its nearest pixel is repeated; there `known` is false.
 
     Parameters
     ----------

@@ -22,6 +22,7 @@ COARSE, FINE = 1.5, 0.7  # pixels: detail that survives a change of light, for t
 OCTAVE = 1.6  # wider Gaussian over narrower one: nearly the Laplacian of a Gaussian (Marr & Hildreth 1980)
 ROUNDS = 2  # a third one changes hundredths of a pixel
 STEPS = cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-5
+LEAST = 0.5  # pixels: what shading alone, moving with the light, can look like
 LEAST_CORRELATION = 0.1  # unrelated pictures reach 0.03, faces lit from 65 degrees on all sides 0.3
 
 
@@ -51,7 +52,7 @@ class Registration:
     correlations: NDArray[np.float64]
 
 
-def register(photographs: ArrayLike, reference: int | None = None) -> Registration:
+def register(photographs: ArrayLike, reference: int | None = None, *, least: float = LEAST) -> Registration:
     """Register photographs of a still person under different lights to one of them, to a fraction of a pixel.
 
     Light changes shading, and what shading does to an image moves as the light moves; fine detail of the skin stays.
@@ -59,7 +60,8 @@ def register(photographs: ArrayLike, reference: int | None = None) -> Registrati
     of a fine scale. Each photograph is first registered to the one it resembles most, along a maximum spanning tree
     of peak correlations, so that lights far from each other are never compared directly: the peak of the
     cross-correlation gives the shift, `cv2.findTransformECC` (Evangelidis & Psarakis 2008) rotation and fractions.
-    Then each one is registered twice at a finer scale to the mean of all others, which no single light biases.
+    Then each one is registered twice at a finer scale to the mean of all others, which no single light biases. What
+    then seems to move less than `least` is left as it is: on smooth skin without texture the light alone does as much.
 
     Parameters
     ----------
@@ -68,6 +70,8 @@ def register(photographs: ArrayLike, reference: int | None = None) -> Registrati
     reference
         Index of the photograph that stays as it is. By default the one among the others: its mean distance to them
         is the shortest, so that a single outlier is moved rather than everybody else.
+    least
+        Pixels, at least 0: motions that displace the corners by no more than that in the mean count as none.
 
     Returns
     -------
@@ -77,7 +81,7 @@ def register(photographs: ArrayLike, reference: int | None = None) -> Registrati
     ------
     HarmonicFaceError
         Another shape, fewer than two photographs, NaN, negative intensities, a photograph without contrast, a
-        reference that is none of them, a photograph that shows something else than the others.
+        reference that is none of them, a negative `least`, a photograph that shows something else than the others.
 
     Examples
     --------
@@ -89,6 +93,7 @@ def register(photographs: ArrayLike, reference: int | None = None) -> Registrati
     """
     stack = _checked(photographs)
     count = len(stack)
+    dead_zone = 0.0 if least == 0 else _validate.positive(least, "least")
     if reference is not None and not 0 <= _validate.at_least(reference, 0, "reference") < count:
         raise HarmonicFaceError(f"reference: expected an index below {count}, got {reference}")
     motions = _along_tree([_detail(photo, COARSE) for photo in stack])
@@ -102,7 +107,9 @@ def register(photographs: ArrayLike, reference: int | None = None) -> Registrati
     if reference is None:
         reference = _central(motions, stack.shape)
     back = undone(motions[reference])
-    motions = [STILL if index == reference else then(back, motion) for index, motion in enumerate(motions)]
+    motions = [then(back, motion) for motion in motions]
+    motions = [STILL if displacement(motion, stack.shape) <= dead_zone else motion for motion in motions]
+    motions[reference] = STILL
     seen = [resample(photo, motion) for photo, motion in zip(stack, motions, strict=True)]
     return Registration(
         np.stack([photo for photo, _ in seen]),
