@@ -19,8 +19,9 @@ import numpy as np
 from scipy.ndimage import binary_erosion
 
 import harmonicface as hf
+from harmonicface.bench.agreement import Agreement, agreement
 from harmonicface.bench.measure import Record, print_records, write_records
-from harmonicface.bench.mitsuba_oracle import Agreement, agreement, mitsuba_picture
+from harmonicface.bench.mitsuba_oracle import mitsuba_picture
 from harmonicface.people.ict import ict_person
 
 DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data"))

@@ -17,8 +17,8 @@ import numpy as np
 from rendering import DATA, MOST_QUICK, coloured, heads, inner, lights, oracle
 
 import harmonicface as hf
+from harmonicface.bench.agreement import agreement
 from harmonicface.bench.measure import Record, print_records, write_records
-from harmonicface.bench.mitsuba_oracle import agreement
 from harmonicface.surfaces.transfer import transport
 
 ORDERS = (2, 4, 6, 8)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -53,11 +52,13 @@ def mitsuba_picture(
     Raises
     ------
     HarmonicFaceError
-        A light of another kind or layout, two lights that surround the scene, vertex colours that differ together
-        with a texture, or vertices without a normal.
+        A view that is not orthographic, a light of another kind or layout, two lights that surround the scene, vertex
+        colours that differ together with a texture, or vertices without a normal.
     """
     import mitsuba
 
+    if not isinstance(view, View):
+        raise HarmonicFaceError(f"view: expected an orthographic View, got a {type(view).__name__}")
     mitsuba.set_variant(VARIANT)
     mitsuba.set_log_level(mitsuba.LogLevel.Error)  # not every count of samples is a product of two alike
     scene = {
@@ -69,55 +70,6 @@ def mitsuba_picture(
     }
     radiance = mitsuba.render(mitsuba.load_dict(scene), seed=seed, spp=samples)
     return np.asarray(np.pi * np.array(radiance), dtype=np.float32)
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """How far a picture is from an oracle's, relative to the RMS of the oracle's.
-
-    Parameters
-    ----------
-    raw
-        The RMS difference from the mean of the oracle's pictures, its noise included.
-    noise
-        The RMS noise of that mean, from how its pictures differ.
-    error
-        The RMS difference without the oracle's noise: the root of raw^2 - noise^2 (0 if that is negative).
-    """
-
-    raw: float
-    noise: float
-    error: float
-
-
-def agreement(ours: NDArray[Any], pictures: Sequence[NDArray[Any]], mask: NDArray[np.bool_]) -> Agreement:
-    """Return how far a picture is from the mean of at least two pictures with independent noise, over a mask.
-
-    The mean square difference from a noisy mean is the true one plus the noise's variance, and that is known from
-    how the pictures differ: what remains is free of bias however noisy they are.
-
-    Parameters
-    ----------
-    ours
-        (h, w) or (h, w, 3).
-    pictures
-        (h, w, 3) each, of different seeds.
-    mask
-        (h, w) booleans.
-
-    Examples
-    --------
-    >>> agreement(np.full((2, 2, 3), 1.01), [np.ones((2, 2, 3))] * 2, np.ones((2, 2), bool)).error
-    0.01
-    """
-    theirs = np.stack([picture[mask].astype(np.float64) for picture in pictures])
-    mean = theirs.mean(axis=0)
-    judged = ours[mask].reshape(len(mean), -1)
-    variance = float(theirs.var(axis=0, ddof=1).mean()) / len(theirs)
-    square = float(((judged - mean) ** 2).mean())
-    scale = float((mean**2).mean()) - variance  # noise adds to the power of what it falls on, too
-    parts = (square / scale, variance / scale, max(0.0, square - variance) / scale)
-    return Agreement(*(round(float(np.sqrt(part)), 12) for part in parts))
 
 
 def _integrator(depth: int | None) -> dict[str, Any]:

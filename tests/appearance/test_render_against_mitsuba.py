@@ -8,7 +8,8 @@ import trimesh
 from scipy.ndimage import binary_erosion
 
 import harmonicface as hf
-from harmonicface.bench.mitsuba_oracle import agreement, mitsuba_picture
+from harmonicface.bench.agreement import agreement
+from harmonicface.bench.mitsuba_oracle import mitsuba_picture
 from harmonicface.io.meshes import Mesh
 from harmonicface.surfaces.mesh import surface_from_mesh
 
