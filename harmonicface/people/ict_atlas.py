@@ -40,7 +40,7 @@ class HeadTexels(SkinPixels):
     facing: Array
 
     def field(self, knots: NDArray[np.float32], across: float, up: float) -> Array:
-        """Return the random field through knots, some mm apart, looked at from the front, from the sides and from above, (p,).
+        """Return the random field through knots some mm apart, seen from the front, the sides and above, (p,).
 
         Each view counts where the skin faces it, so the field is nowhere stretched; and as it depends on the place on
         the head alone, it is the same on both sides of a cut in the texture.

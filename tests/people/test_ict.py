@@ -55,8 +55,8 @@ def darkest(person, x, y, reach=7.0):
 
 
 def test_pupils_are_at_the_same_pixels_as_the_built_in_peoples(model):
-    crowd = ict_people(model, 5, 80, seed=4, albedo="grey")
-    ours = list(synthetic_people(5, 80, seed=2))
+    crowd = ict_people(model, 5, 64, seed=4, albedo="grey")
+    ours = list(synthetic_people(5, 64, seed=2))
     for side in (-1, 1):
         theirs, built_in = (
             np.mean([darkest(person, side * EYE[0], EYE[1]) for person in people], axis=0) for people in (crowd, ours)
