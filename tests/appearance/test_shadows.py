@@ -153,6 +153,21 @@ def test_a_depth_map_is_shadowed_as_its_mesh_is():
         assert np.corrcoef(by_depth.ravel(), by_mesh.ravel())[0, 1] > 0.98
 
 
+def test_a_pinhole_far_away_sees_the_same_shadows():
+    far, half = 1e5, 2.0
+    focal = far / (2 * half / 12)
+    intrinsics = (focal, focal, 6.0, 6.0)
+    pinhole = surface_from_mesh(hilly_mesh(), 12, rotation=OBLIQUE, intrinsics=intrinsics, distance=far)
+    x, y = pinhole.scene.view.position[:2]
+    frame = (x - half, y - half, x + half, y + half)
+    same = surface_from_mesh(hilly_mesh(), 12, rotation=OBLIQUE, frame=frame)
+    assert pinhole.mask.all()
+    for name in ("lamp", "natural"):
+        expected = shadowed_irradiance(same, LIGHTS[name])
+        difference = np.abs(shadowed_irradiance(pinhole, LIGHTS[name]) - expected)
+        assert difference.mean() < 0.01 * expected.mean()
+
+
 def test_a_step_in_a_depth_map():
     """Five units high beside the pixel, one unit away: light at less than 79 degrees does not get in."""
     step = Surface(np.tile([0.0, 0.0, 1.0], (1, 3, 1)), np.ones((1, 3)), depth=np.array([[0.0, 0.0, 5.0]]))
