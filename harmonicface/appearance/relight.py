@@ -10,6 +10,7 @@ from harmonicface._validate import Floats
 from harmonicface.appearance.gloss import gloss
 from harmonicface.appearance.irradiance import surface_irradiance
 from harmonicface.appearance.nonnegative_light import nonnegative_light
+from harmonicface.appearance.shadowed_light import shadowed_light
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.colour import luminance
 from harmonicface.lighting.as_light import LightLike, as_light
@@ -53,10 +54,10 @@ def relight(
         The new light; anything that `as_light` takes.
     photo_light
         The light of the photograph. If not given it is what `nonnegative_light` explains the photograph with: 500
-        lamps, as if the Surface were matte and cast no shadow. Of ten faces without noise, whose known albedo lacked
-        the finer half of the texture, it left 1.6 % at the median between natural lights and 2.7 % between lamps (the
-        known light .2 and 1.3 %; nine harmonics of `estimate_light` 5 and 18 %; a picture from the albedo alone 9 and
-        10 %).
+        lamps, as if the Surface were matte; with shadows `shadowed_light`. Of ten faces without noise, whose known
+        albedo lacked the finer half of the texture, it left 1.6 % at the median between natural lights and 2.7 %
+        between lamps (the known light .2 and 1.3 %; nine harmonics of `estimate_light` 5 and 18 %; a picture from the
+        albedo alone 9 and 10 %).
     order
         Of the harmonics by which both lights arrive, fast for a light with many directions; None for the exact sums.
         Irradiance below 0, which cut series have, is taken as 0.
@@ -92,7 +93,7 @@ def relight(
     picture = _checked(photo, surface)
     floor = at_least_zero(floor, "floor")
     new = as_light(light)
-    old = _estimated(picture, surface) if photo_light is None else as_light(photo_light)
+    old = _estimated(picture, surface, shadows or bounces > 0) if photo_light is None else as_light(photo_light)
     before, after = (
         np.maximum(_columns(surface_irradiance(surface, each, order, shadows, bounces)), 0) for each in (old, new)
     )
@@ -121,11 +122,11 @@ def _checked(photo: ArrayLike, surface: Surface) -> Floats:
     return picture
 
 
-def _estimated(picture: Floats, surface: Surface) -> Light:
+def _estimated(picture: Floats, surface: Surface, shadows: bool) -> Light:
     """Return lamps that explain the photograph."""
     if not picture[surface.mask].any():
         raise HarmonicFaceError("photo: expected some light in it to estimate its light from, got 0 in all of the mask")
-    return nonnegative_light(picture, surface).light
+    return shadowed_light(picture, surface) if shadows else nonnegative_light(picture, surface).light
 
 
 def _columns(values: Floats) -> Floats:
