@@ -133,9 +133,13 @@ def test_arrays_that_are_no_numbers_are_refused(tmp_path):
 
 def test_points_beyond_the_memory_are_refused(tmp_path, monkeypatch):
     path = written(tmp_path, "a.ply", ply())
-    monkeypatch.setattr(_memory, "physical_memory", lambda: 10_000)
+    table = written(tmp_path, "a.xyz", f"{ROW}\n" * 30)
+    monkeypatch.setattr(_memory, "physical_memory", lambda: 3000)
     with pytest.raises(HarmonicFaceError, match=r"a\.ply: 30 points: need"):
         read_point_cloud(path)
+    monkeypatch.setattr(_memory, "physical_memory", lambda: 1000)
+    with pytest.raises(HarmonicFaceError, match=r"a\.xyz: a table of 360 bytes: need"):
+        read_point_cloud(table)
     monkeypatch.setattr(_memory, "physical_memory", lambda: 100)
     with pytest.raises(HarmonicFaceError, match=r"a file of \d+ bytes: need"):
         read_point_cloud(path)
