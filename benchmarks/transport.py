@@ -1,0 +1,221 @@
+"""How fast are shadows from depth, and harmonic images? Beside rays through embree at equal error, and beside a copy.
+
+python benchmarks/transport.py [--quick] [--json FILE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+import tracemalloc
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import sphericart
+import trimesh
+from scipy.spatial.transform import Rotation
+from trimesh.ray.ray_pyembree import RayMeshIntersector
+
+from harmonicface.appearance.basis import harmonic_images
+from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.harmonics.basis import real_harmonics, scaled_harmonics
+from harmonicface.harmonics.indexing import degrees
+from harmonicface.people.synthetic import synthetic_person
+from harmonicface.reflectance.filters import lambertian_filter, lambertian_weights
+from harmonicface.surfaces.depth_mesh import mesh_from_depth
+from harmonicface.surfaces.horizon_transport import AZIMUTHS, horizon_transport
+from harmonicface.surfaces.load import load_surface
+from harmonicface.surfaces.surface import Surface
+
+DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data"))
+FACE = (-1.524, -0.479, 1.364, 2.409)
+ORDER = 4
+REFERENCE = 40_000  # directions
+CHUNK = 1 << 20  # rays at once
+ABOVE = 1e-3  # pixels: where rays start, so that they do not hit the triangles they start from
+
+
+class Rays:
+    """One ray a pixel and direction, from the corners of the triangles that lie between the pixels of a depth map."""
+
+    def __init__(self, surface: Surface, pixels: np.ndarray) -> None:
+        mesh = mesh_from_depth(surface, steepest=90)
+        self.caster = RayMeshIntersector(trimesh.Trimesh(mesh.vertices, mesh.faces, process=False))
+        self.origins = mesh.vertices[pixels] + [0, 0, ABOVE * surface.pixel_size]
+        self.normals = surface.pixel_normals[pixels].astype(np.float64)
+        self.caster.intersects_any(self.origins[:1], [[0.0, 0.0, 1.0]])  # builds the tree
+
+    def transport(self, directions: np.ndarray) -> tuple[np.ndarray, float, int]:
+        """Return the transport, the seconds spent in casting alone, and the number of rays.
+
+        Rays go only where the pixel's normal points; what they find hidden is taken from the exact transport without
+        shadows, as ours is.
+        """
+        harmonics = 4 * np.pi / len(directions) * real_harmonics(directions, ORDER)
+        result = lambertian_weights(ORDER)[:, None] * real_harmonics(self.normals, ORDER)
+        seconds, rays, step = 0.0, 0, max(1, CHUNK // len(directions))
+        for first in range(0, len(self.normals), step):
+            some = slice(first, first + step)
+            cosine = np.maximum(self.normals[some] @ directions.T, 0)
+            pixel, direction = np.nonzero(cosine)
+            origins, towards = self.origins[some][pixel], directions[direction]
+            start = time.perf_counter()
+            hit = self.caster.intersects_any(origins, towards)
+            seconds += time.perf_counter() - start
+            cosine[pixel, direction] *= hit
+            result[:, some] -= harmonics @ cosine.T
+            rays += len(pixel)
+        return result, seconds, rays
+
+
+def even_directions(number: int) -> np.ndarray:
+    """Return directions spread evenly over the sphere, along a spiral."""
+    z = 1 - (2 * np.arange(number) + 1) / number
+    turn = np.pi * (1 + np.sqrt(5)) * np.arange(number)
+    return np.stack([np.sqrt(1 - z**2) * np.cos(turn), np.sqrt(1 - z**2) * np.sin(turn), z], axis=1)
+
+
+def relative(found: np.ndarray, exact: np.ndarray) -> float:
+    """Return the RMS difference over the RMS."""
+    return float(np.linalg.norm(found - exact) / np.linalg.norm(exact))
+
+
+def transports(name: str, surface: Surface, quick: bool) -> Iterator[Record]:
+    """Time the transport of a depth map beside as many rays as are as exact."""
+    rng = np.random.default_rng(0)
+    count = int(surface.mask.sum())
+    some = np.sort(rng.choice(count, 100 if quick else 600, replace=False))
+    rays = Rays(surface, some)
+    turned = Rotation.random(rng=rng).apply(even_directions(REFERENCE // 2 if quick else REFERENCE))
+    exact, _, _ = rays.transport(turned)
+    ours = horizon_transport(surface, ORDER)
+    error = relative(ours[:, some], exact)
+    number = 512
+    while (theirs := relative(rays.transport(even_directions(number))[0], exact)) > error and number < len(turned) / 4:
+        number = int(1.2 * number)
+    timed = np.sort(rng.choice(count, count // 10, replace=False)) if quick else np.arange(count)
+    _, seconds, cast = Rays(surface, timed).transport(even_directions(number))
+    scale = count / len(timed)
+    size = f"{surface.shape[0]} x {surface.shape[1]}, {count} pixels, order {ORDER}"
+    yield Record(
+        name=f"transport past a depth map, {name}",
+        size=size,
+        seconds=best_seconds(lambda: horizon_transport(surface, ORDER), 5),
+        error=error,
+        bytes=ours.nbytes,
+        peer=f"trimesh with embreex, {number} directions",
+        peer_seconds=seconds * scale,
+        note=f"error: RMS relative to {len(turned)} other directions at {len(some)} pixels; the peer's {theirs:.5f}, "
+        f"casting alone, {cast * scale / 1e6:.1f} million rays" + (f", timed at {len(timed)} pixels" if quick else ""),
+    )
+    peak = peak_bytes(lambda: horizon_transport(surface, ORDER))
+    converged = horizon_transport(surface, ORDER, 8 * AZIMUTHS)
+    for azimuths in (AZIMUTHS // 2, AZIMUTHS, 2 * AZIMUTHS):
+        found = horizon_transport(surface, ORDER, azimuths)
+        yield Record(
+            name=f"transport past a depth map, {name}",
+            size=f"{size}, {azimuths} azimuths",
+            seconds=best_seconds(lambda number=azimuths: horizon_transport(surface, ORDER, number), 3),
+            error=relative(found, converged),
+            bytes=peak,
+            note=f"error: RMS relative to {8 * AZIMUTHS} azimuths, so without that of the surface between the pixels; "
+            f"bytes: largest at any moment with {AZIMUTHS} azimuths, {peak / ours.nbytes:.2f} times the result",
+        )
+
+
+def nine_images(pixels: int, repeats: int) -> Iterator[Record]:
+    """Time the nine harmonic images beside writing as many bytes."""
+    rng = np.random.default_rng(0)
+    side = round(pixels**0.5)
+    normals = rng.normal(size=(side, side, 3))
+    normals = (normals / np.linalg.norm(normals, axis=2, keepdims=True)).astype(np.float32)
+    albedo = rng.uniform(0.1, 1, (side, side)).astype(np.float32)
+    surface = Surface(normals, albedo)
+    flat, factors, weights = normals.reshape(-1, 3), albedo.ravel(), lambertian_filter(2)
+    source, target, result = (np.ones((9, side * side), np.float32) for _ in range(3))
+    exact = sphericart.SphericalHarmonics(2).compute(flat.astype(np.float64)).T
+    exact *= weights[degrees(2)][:, None] * factors
+    holes = Surface(normals, albedo, rng.random((side, side)) < 0.9)
+    some = holes.mask.ravel()
+    part = source[:, some]
+    cases: list[tuple[str, Callable[[], np.ndarray], Callable[[], object], np.ndarray]] = [
+        (
+            "from normals into given memory",
+            lambda: scaled_harmonics(flat, 2, weights, factors, out=result),
+            lambda: np.copyto(target, source),
+            exact,
+        ),
+        ("of a Surface", lambda: harmonic_images(surface), lambda: np.copyto(np.empty_like(source), source), exact),
+        (
+            "of a Surface with holes",
+            lambda: harmonic_images(holes),
+            lambda: np.copyto(np.empty_like(part), part),
+            exact[:, some],
+        ),
+    ]
+    for name, ours, peer, expected in cases:
+        seconds, peer_seconds = paired_seconds(ours, peer, repeats)
+        found = ours()
+        peak = peak_bytes(ours)
+        yield Record(
+            name=f"nine harmonic images, {name}",
+            size=f"{found.shape[1]:.0e} pixels float32",
+            seconds=seconds,
+            error=float(np.abs(found - expected).max()),
+            bytes=peak,
+            peer="np.copyto of the result's bytes" + ("" if "given" in name else " into new memory"),
+            peer_seconds=peer_seconds,
+            note=f"error: largest, against sphericart in float64; bytes: largest at any moment beside what was given, "
+            f"{peak / found.nbytes:.2f} times the result",
+        )
+
+
+def paired_seconds(ours: Callable[[], object], peer: Callable[[], object], repeats: int) -> tuple[float, float]:
+    """Return the best times of both, turn by turn, so that what else the machine does falls on both."""
+    best = [np.inf, np.inf]
+    for _ in range(repeats):
+        for side, function in enumerate((ours, peer)):
+            best[side] = min(best[side], best_seconds(function, 3))
+    return best[0], best[1]
+
+
+def peak_bytes(function: Callable[[], object]) -> int:
+    """Return the most memory that a call holds at any moment, its result included."""
+    tracemalloc.start()
+    function()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+def scan() -> Surface | None:
+    """Return the scanned head's face by its depth alone, None without the data."""
+    folder = DATA / "heads" / "LeePerrySmith"
+    if not folder.is_dir():
+        print(f"without the scan: {folder} is not there (set HARMONICFACE_DATA)")
+        return None
+    seen = load_surface(
+        folder / "LeePerrySmith.glb", 128, texture=folder / "Map-COL.jpg", flip_texture=True, frame=FACE
+    )
+    return Surface(seen.normals, seen.albedo, seen.mask, seen.depth, seen.pixel_size)
+
+
+def main() -> None:
+    """Print the records, and write them if asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="fewer rays in the reference, the peer at a tenth of them")
+    parser.add_argument("--json", help="write the records here")
+    options = parser.parse_args()
+    found = list(nine_images(10**6, 10 if options.quick else 30))
+    found += transports("a synthetic person", synthetic_person(0, 128), options.quick)
+    if (face := scan()) is not None:
+        found += transports("a scanned face", face, options.quick)
+    print_records(found)
+    if options.json:
+        write_records(options.json, found)
+
+
+if __name__ == "__main__":
+    main()
