@@ -48,8 +48,8 @@ class ShiftSearch:
     reach
         Largest shift in pixels, at least 0; 0 compares at rest.
     reluctance
-        Of a pixel of shift, at least 0. The default, 0.02, keeps the errors of five people of Yale B who hold still as
-        they are without a search, and gave their right answers the largest margins.
+        Of a pixel of shift, at least 0. The default was chosen on people 1 to 5 of Yale B by the margins of right
+        answers; a search that costs nothing errs twice as often on them (7.4 instead of 3.2 % on subset 5).
 
     Examples
     --------
@@ -111,11 +111,12 @@ class ShiftSearch:
             raise HarmonicFaceError(f"photo: expected shape {expected}, got {_validate.describe(pixels)}")
         small = reduced(unit_photo(pixels.ravel(), pixels.size).reshape(1, *pixels.shape), self._factor)[0]
         shifted = self._shifted(small.astype(np.float32))
+        starts = np.cumsum([0, *(len(rows) for rows in self._rows[:-1])])
         if not len(self._stacked):
             self._stacked = np.concatenate(self._rows)
+            self._rows = np.split(self._stacked, starts[1:])  # views: nobody is held twice
         products = self._stacked @ shifted.T
         np.square(products, out=products)
-        starts = np.cumsum([0, *(len(rows) for rows in self._rows[:-1])])
         explained = np.add.reduceat(products, starts, axis=0) / np.maximum(
             np.einsum("sp,sp->s", shifted, shifted), np.finfo(np.float32).tiny
         )

@@ -29,7 +29,7 @@ def harmonic_shadowed(surface: Surface) -> Floats:
     """Return the 25 harmonic images of order 4 with the shadows that the Surface casts on itself, (25, p).
 
     Order 2 does for attached shadows, whose light is all but gone from degree 4 on; a cast shadow has an edge, and
-    needs more (Lee, Ho & Kriegman 2005 and Basri & Jacobs 2003 compare with nine). The Surface needs depth or a scene.
+    needs more (Lee, Ho & Kriegman 2005 report nine). The Surface needs depth or a scene.
     """
     return harmonic_images(surface, order=4, shadows=True)
 
