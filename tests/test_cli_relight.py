@@ -122,6 +122,15 @@ def test_a_photograph_under_another_light(run: Run, folder: Path) -> None:
     assert_shown(folder / "b.png", factor * expected)
 
 
+def test_a_photograph_with_shadows_goes_by_exact_sums(run: Run, folder: Path) -> None:
+    photo, sky = np.load(folder / "photo.npy"), hf.EnvironmentMap(MAP)
+    usual = ("ada.npz", "--photo", "photo.npy", "--light", "sky.npy", "--exposure", 0.1)
+    assert run(*usual, "--shadows", "--out", "a.png")[0] == 0
+    assert_shown(folder / "a.png", 0.1 * relight(photo, ADA, sky, shadows=True))
+    assert run(*usual, "--out", "b.png")[0] == 0
+    assert_shown(folder / "b.png", 0.1 * relight(photo, ADA, sky, order=8))
+
+
 def test_a_photograph_under_coloured_light_stays_as_bright(run: Run, folder: Path) -> None:
     assert run("ada.npz", "--photo", "photo.png", "--light", "grace", "--out", "a.png")[0] == 0
     before, after = (hf.read_image(folder / name) for name in ("photo.png", "a.png"))

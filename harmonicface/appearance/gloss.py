@@ -62,7 +62,8 @@ def gloss(
     shadows
         Light is also kept from the coat. Without an order lamp by lamp, exactly; other light is multiplied with the
         share of 96 rays through the lobe that are open, each weighted with the light from there if that is a map. By
-        harmonics, it is multiplied with the share that the transport of this order tells (`open_share`).
+        harmonics, it is multiplied with the share that the transport of this order tells (`open_share`), whatever part
+        of the lobe the light comes from: under light from behind the head it hides too little.
 
     Returns
     -------

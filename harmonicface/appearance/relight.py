@@ -60,7 +60,8 @@ def relight(
         albedo alone 9 and 10 %).
     order
         Of the harmonics by which both lights arrive, fast for a light with many directions; None for the exact sums.
-        Irradiance below 0, which cut series have, is taken as 0.
+        Irradiance below 0, which cut series have, is taken as 0. With shadows prefer the exact sums: on a scanned head
+        between two environments order 4 left 27 % where they left 0.6 %.
     shadows, bounces
         Of both lights, as for `render`.
     material
