@@ -38,11 +38,11 @@ ABOVE = 1e-3  # pixels: where rays start, so that they do not hit the triangles 
 
 
 class Rays:
-    """One ray a pixel and direction, from the corners of the triangles that lie between the pixels of a depth map."""
+    """One ray a pixel and direction, from the corners of the triangles between the pixels of a depth map."""
 
     def __init__(self, surface: Surface, pixels: np.ndarray) -> None:
         mesh = mesh_from_depth(surface, steepest=90)
-        self.caster = RayMeshIntersector(trimesh.Trimesh(mesh.vertices, mesh.faces, process=False))
+        self.caster = RayMeshIntersector(solid(mesh.vertices, mesh.faces))
         self.origins = mesh.vertices[pixels] + [0, 0, ABOVE * surface.pixel_size]
         self.normals = surface.pixel_normals[pixels].astype(np.float64)
         self.caster.intersects_any(self.origins[:1], [[0.0, 0.0, 1.0]])  # builds the tree
@@ -68,6 +68,17 @@ class Rays:
             result[:, some] -= harmonics @ cosine.T
             rays += len(pixel)
         return result, seconds, rays
+
+
+def solid(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
+    """Return triangles with walls from their rim far down: a head is not hollow, and horizons take it for solid."""
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    found, uses = np.unique(edges, axis=0, return_counts=True)
+    a, b = found[uses == 1].T
+    down = len(vertices)
+    walls = np.concatenate([np.stack([a, b, b + down], axis=1), np.stack([a, b + down, a + down], axis=1)])
+    below = vertices - [0, 0, 10 * np.ptp(vertices, axis=0).max()]
+    return trimesh.Trimesh(np.concatenate([vertices, below]), np.concatenate([faces, walls]), process=False)
 
 
 def even_directions(number: int) -> np.ndarray:
@@ -109,7 +120,7 @@ def transports(name: str, surface: Surface, quick: bool) -> Iterator[Record]:
         bytes=ours.nbytes,
         peer=f"trimesh with embreex, {number} directions",
         peer_seconds=seconds * scale,
-        note=f"error: RMS relative to {len(turned)} other directions at {len(some)} pixels, through the same "
+        note=f"error: RMS relative to {len(turned)} other directions at {len(some)} pixels, past the same "
         f"triangles, which ours knows only as lines between neighbouring pixels; the peer's {theirs:.5f}, "
         f"casting alone, {cast * scale / 1e6:.1f} million rays" + (f", timed at {len(timed)} pixels" if quick else ""),
     )
