@@ -173,6 +173,20 @@ def test_enrolling_a_mesh_at_a_size(run: Run, folder: Path) -> None:
     assert hf.Gallery.open(folder / "usual.gallery").mask.shape == (64, 64)
 
 
+def test_enrolling_a_mesh_before_a_pinhole_and_points(run: Run, folder: Path) -> None:
+    gallery, pinhole = folder / "pinhole.gallery", ("--size", 32, "--intrinsics", "32,32,16,16", "--distance", 4)
+    assert run("enroll", gallery, "wedge", folder / "wedge.obj", *pinhole).code == 0
+    seen = hf.load_surface(folder / "wedge.obj", 32, intrinsics=(32, 32, 16, 16), distance=4)
+    alone = hf.Gallery()
+    alone.enroll("wedge", seen)
+    photo = hf.render(seen, LAMPS[1])
+    assert hf.Gallery.open(gallery).match(photo).distance == alone.match(photo).distance
+    down, right = np.mgrid[-1:1:40j, -1:1:40j].reshape(2, -1)
+    np.savetxt(folder / "points.xyz", np.column_stack([right, down, np.zeros((1600, 2)), -right / 2, np.ones(1600)]))
+    assert run("enroll", gallery, "points", folder / "points.xyz", "--size", 32).code == 0
+    assert hf.Gallery.open(gallery).names == ("wedge", "points")
+
+
 def test_images_of_a_saved_surface(run: Run, folder: Path) -> None:
     out = folder / "new" / "pictures"
     answer = run("images", folder / "ada.npz", "--out", out)
@@ -208,6 +222,10 @@ def test_images_of_a_mesh(run: Run, folder: Path) -> None:
     )
     assert turned.code == 0
     assert hf.load_surface(out / "surface.npz").mask[16, 26]  # within the corner that was turned there
+    camera = ("--size", 32, "--intrinsics", "32,32,16,16", "--distance", 4)
+    assert run("images", folder / "wedge.obj", "--out", out, *camera).code == 0
+    seen = hf.load_surface(folder / "wedge.obj", 32, intrinsics=(32, 32, 16, 16), distance=4)
+    np.testing.assert_array_equal(hf.load_surface(out / "surface.npz").depth, seen.depth)
 
 
 @pytest.mark.parametrize(("options", "bounces"), [(["--shadows"], 0), (["--bounces", 1], 1)])
@@ -288,6 +306,11 @@ def test_images_where_there_is_no_folder(
         (
             ["people.gallery", "new", *["ada0.png"] * 3, "--flip-texture"],
             "expected the options of a view with one mesh",
+        ),
+        (["people.gallery", "new", "wedge.obj", "--distance", "4"], "distance: expected intrinsics beside it"),
+        (
+            ["people.gallery", "new", "wedge.obj", "--intrinsics", "1,2"],
+            "intrinsics: expected 4 comma-separated numbers, got '1,2'",
         ),
         ([".", "new", "ada.npz"], "expected a file at ., got a folder"),
         (["small.png", "new", "ada.npz"], "small.png: expected a whole file of named arrays"),

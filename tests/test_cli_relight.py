@@ -157,6 +157,13 @@ def test_meshes_are_seen_as_large_as_the_photograph(run: Run, folder: Path) -> N
     assert hf.read_image(folder / "c.png").shape[:2] == (32, 32)
 
 
+def test_a_mesh_before_a_pinhole(run: Run, folder: Path) -> None:
+    camera = ("--size", 32, "--intrinsics", "32,32,16,16", "--distance", 4)
+    assert run("wedge.obj", *camera, "--light", "0,0,1", "--exposure", 1, "--out", "a.png")[0] == 0
+    seen = hf.load_surface(folder / "wedge.obj", 32, intrinsics=(32, 32, 16, 16), distance=4)
+    assert_shown(folder / "a.png", hf.render(seen, [0, 0, 1]))
+
+
 def test_help_says_what_a_light_may_be(run: Run) -> None:
     code, out, _ = run("--help")
     assert code == 0

@@ -11,7 +11,11 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.sources import MeshView
 
 Source = Annotated[
-    Path, typer.Argument(help="A mesh (GLB, OBJ, PLY, STL) or a saved Surface (.npz).", show_default=False)
+    Path,
+    typer.Argument(
+        help="A mesh (GLB, OBJ, PLY, STL), points with normals (PLY, XYZ, NPY) or a saved Surface (.npz).",
+        show_default=False,
+    ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 SIZE_HELP = "Height and width in pixels at which a mesh is seen."
@@ -21,13 +25,26 @@ Texture = Annotated[Path | None, typer.Option(help="Picture with the mesh's colo
 FlipTexture = Annotated[bool, typer.Option("--flip-texture", help="The texture's rows run upward.")]
 Rotation = Annotated[str | None, typer.Option(help="Yaw, pitch, roll of the mesh in degrees.", show_default="0,0,0")]
 FrameOption = Annotated[str | None, typer.Option(help="x0,y0,x1,y1 of the view in the mesh's units.")]
+Intrinsics = Annotated[
+    str | None, typer.Option(help="fx,fy,cx,cy of a pinhole camera in pixels.", show_default="an orthographic camera")
+]
+Distance = Annotated[
+    float | None,
+    typer.Option(help="From the pinhole to the mesh's middle, in its units.", show_default="all of it in view"),
+]
 Transfer = Annotated[
     str | None, typer.Option(help="srgb or linear: what the photographs' numbers mean.", show_default="by file type")
 ]
 
 
 def view(
-    size: int | None, texture: Path | None, flip_texture: bool, rotation: str | None, frame: str | None
+    size: int | None,
+    texture: Path | None,
+    flip_texture: bool,
+    rotation: str | None,
+    frame: str | None,
+    intrinsics: str | None,
+    distance: float | None,
 ) -> MeshView:
     """Parse the options of a view."""
     return MeshView(
@@ -36,6 +53,8 @@ def view(
         flip_texture,
         None if rotation is None else numbers(rotation, 3, "rotation"),
         None if frame is None else numbers(frame, 4, "frame"),
+        None if intrinsics is None else numbers(intrinsics, 4, "intrinsics"),
+        distance,
     )
 
 

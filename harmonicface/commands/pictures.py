@@ -8,7 +8,17 @@ from typing import Annotated
 import typer
 
 from harmonicface.bench.surface_folder import write_surface_folder
-from harmonicface.commands.options import FlipTexture, FrameOption, LargeSize, Rotation, Source, Texture, view
+from harmonicface.commands.options import (
+    Distance,
+    FlipTexture,
+    FrameOption,
+    Intrinsics,
+    LargeSize,
+    Rotation,
+    Source,
+    Texture,
+    view,
+)
 from harmonicface.gallery.sources import read_surface
 
 
@@ -25,8 +35,12 @@ def images(
     flip_texture: FlipTexture = False,
     rotation: Rotation = None,
     frame: FrameOption = None,
+    intrinsics: Intrinsics = None,
+    distance: Distance = None,
 ) -> None:
     """Write the harmonic images of a face as pictures, its normals, albedo and depth, and a page that shows them."""
-    surface = read_surface(source, view(size, texture, flip_texture, rotation, frame), usual_size=256)
+    surface = read_surface(
+        source, view(size, texture, flip_texture, rotation, frame, intrinsics, distance), usual_size=256
+    )
     count = write_surface_folder(surface, out, source.name, order, shadows, bounces)
     typer.echo(f"{count} harmonic images, pictures of the surface, surface.npz and surface.html are in {out}")

@@ -9,7 +9,18 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from harmonicface.commands.options import AsJson, FlipTexture, FrameOption, Rotation, Size, Texture, Transfer, view
+from harmonicface.commands.options import (
+    AsJson,
+    Distance,
+    FlipTexture,
+    FrameOption,
+    Intrinsics,
+    Rotation,
+    Size,
+    Texture,
+    Transfer,
+    view,
+)
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
@@ -24,7 +35,8 @@ def enroll(
     source: Annotated[
         list[Path],
         typer.Argument(
-            help="A mesh, a saved Surface, or at least three photographs under different lights.", show_default=False
+            help="A mesh, points, a saved Surface, or at least three photographs under different lights.",
+            show_default=False,
         ),
     ],
     mask: Annotated[
@@ -36,12 +48,20 @@ def enroll(
     flip_texture: FlipTexture = False,
     rotation: Rotation = None,
     frame: FrameOption = None,
+    intrinsics: Intrinsics = None,
+    distance: Distance = None,
 ) -> None:
     """Add a person to a gallery."""
     with alone_in(gallery.parent):
         people = _gallery(gallery, mask)
         people.enroll(
-            name, read_source(source, view(size, texture, flip_texture, rotation, frame), transfer, usual_size=64)
+            name,
+            read_source(
+                source,
+                view(size, texture, flip_texture, rotation, frame, intrinsics, distance),
+                transfer,
+                usual_size=64,
+            ),
         )
         people.save(gallery)
     typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")

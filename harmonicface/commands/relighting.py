@@ -17,8 +17,10 @@ from harmonicface.appearance.relight import relight as relit
 from harmonicface.appearance.render import render
 from harmonicface.commands.light_options import LIGHT_HELP, read_lights
 from harmonicface.commands.options import (
+    Distance,
     FlipTexture,
     FrameOption,
+    Intrinsics,
     Rotation,
     Source,
     Texture,
@@ -95,6 +97,8 @@ def relight(
     flip_texture: FlipTexture = False,
     rotation: Rotation = None,
     frame: FrameOption = None,
+    intrinsics: Intrinsics = None,
+    distance: Distance = None,
     transfer: Transfer = None,
 ) -> None:
     """Show a face, or a photograph of it, under another light."""
@@ -109,7 +113,7 @@ def relight(
     with _waiting("reading"):
         new = read_lights(light, layout, rotate_light)
         old = read_lights(photo_light, layout, None) if photo_light else None
-        surface = _surface(source, view(size, texture, flip_texture, rotation, frame), picture)
+        surface = _surface(source, view(size, texture, flip_texture, rotation, frame, intrinsics, distance), picture)
     highest = order
     if order is None and not exact and (_has_map(new) or _has_map(old)):
         highest = MAP_ORDER

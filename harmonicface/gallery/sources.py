@@ -1,4 +1,4 @@
-"""The files that a person is enrolled from: a mesh, a saved Surface, or photographs."""
+"""The files that a person is enrolled from: a mesh, points, a saved Surface, or photographs."""
 
 from __future__ import annotations
 
@@ -13,8 +13,11 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.colour import luminance
 from harmonicface.io.images import read_image
 from harmonicface.io.meshes import ENDINGS
+from harmonicface.io.point_clouds import is_point_cloud
 from harmonicface.surfaces.load import load_surface
 from harmonicface.surfaces.surface import Surface
+
+POINT_COLUMNS = (6, 9)  # of a table of points: positions and normals, and colours
 
 
 @dataclass(frozen=True)
@@ -26,10 +29,12 @@ class MeshView:
     flip_texture: bool = False
     rotation: Sequence[float] | None = None
     frame: Sequence[float] | None = None
+    intrinsics: Sequence[float] | None = None
+    distance: float | None = None
 
 
 def read_surface(path: Path, view: MeshView, usual_size: int) -> Surface:
-    """Load a Surface: a mesh in a view, of the usual size if no other is given; or a saved one, viewed already."""
+    """Load a Surface: a mesh or points in a view, of the usual size if no other is given; or a saved one, viewed."""
     return load_surface(
         path,
         usual_size if view.size is None and path.suffix.lower() != ".npz" else view.size,
@@ -37,6 +42,8 @@ def read_surface(path: Path, view: MeshView, usual_size: int) -> Surface:
         flip_texture=view.flip_texture,
         rotation=view.rotation,
         frame=view.frame,
+        intrinsics=view.intrinsics,
+        distance=view.distance,
     )
 
 
@@ -50,9 +57,9 @@ def read_source(
     HarmonicFaceError
         A file that cannot be read, photographs of unlike sizes, a view of photographs, a transfer of a mesh.
     """
-    if len(paths) == 1 and paths[0].suffix.lower() in (".npz", *ENDINGS):
+    if len(paths) == 1 and _is_surface(paths[0]):
         if transfer is not None:
-            raise HarmonicFaceError("transfer: expected it with photographs only, got a mesh or Surface")
+            raise HarmonicFaceError("transfer: expected it with photographs only, got a mesh, points or Surface")
         return read_surface(paths[0], view, usual_size)
     if view != MeshView():
         raise HarmonicFaceError("enroll: expected the options of a view with one mesh only, got photographs")
@@ -62,6 +69,17 @@ def read_source(
             expected = f"the size of {paths[0]}, {photos[0].shape[:2]}"
             raise HarmonicFaceError(f"{path}: expected {expected}, got {photo.shape[:2]}")
     return np.stack(photos)
+
+
+def _is_surface(path: Path) -> bool:
+    """Tell whether a file holds a shape; arrays may be photographs too, but none is as narrow as a table of points."""
+    if path.suffix.lower() != ".npy":
+        return path.suffix.lower() in (".npz", *ENDINGS) or is_point_cloud(path)
+    try:
+        table = np.lib.format.open_memmap(path, mode="r")
+    except (OSError, ValueError):  # whoever reads it says what is wrong
+        return False
+    return table.ndim == 2 and table.shape[1] in POINT_COLUMNS
 
 
 def read_mask(path: Path) -> NDArray[np.bool_]:

@@ -50,6 +50,32 @@ def test_a_mesh_is_seen_at_the_usual_size_or_at_another(tmp_path: Path) -> None:
     assert read_surface(tmp_path / "a.obj", MeshView(size=8), 32).shape == (8, 8)
 
 
+def test_points_are_told_from_photographs(tmp_path: Path, photos: list[Path]) -> None:
+    down, right = np.mgrid[-1:1:9j, -1:1:9j].reshape(2, -1)
+    table = np.column_stack([right, down, np.zeros((81, 3)), np.ones(81)])
+    np.save(tmp_path / "points.npy", table)
+    np.savetxt(tmp_path / "points.xyz", table)
+    np.save(tmp_path / "coloured.npy", np.column_stack([table, np.full((81, 3), 255.0)]))
+    for name in ("points.npy", "points.xyz", "coloured.npy"):
+        found = read_source([tmp_path / name], MeshView(size=8), None, 64)
+        assert isinstance(found, hf.Surface)
+        assert found.shape == (8, 8)
+    assert np.array_equal(read_source(photos[:1], MeshView(), None, 64), PHOTOS[:1])
+    (tmp_path / "no.npy").write_text("a face")
+    for name in ("no.npy", "none.npy"):
+        with pytest.raises(hf.HarmonicFaceError, match=rf"{name}: expected an? (whole )?image"):
+            read_source([tmp_path / name], MeshView(), None, 64)
+
+
+def test_a_mesh_before_a_pinhole(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    near, far = (
+        read_surface(tmp_path / "a.obj", MeshView(32, intrinsics=(32, 32, 16, 16), distance=distance), 64)
+        for distance in (1.0, 2.0)
+    )
+    assert near.mask.sum() > 3.5 * far.mask.sum()
+
+
 def test_a_mask_is_what_is_lighter_than_half(tmp_path: Path) -> None:
     picture = np.array([[0.0, 0.4], [0.6, 1.0]], np.float32)
     hf.write_image(tmp_path / "grey.png", picture, transfer="linear")
