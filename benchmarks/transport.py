@@ -121,7 +121,7 @@ def transports(name: str, surface: Surface, quick: bool) -> Iterator[Record]:
         peer=f"trimesh with embreex, {number} directions",
         peer_seconds=seconds * scale,
         note=f"error: RMS relative to {len(turned)} other directions at {len(some)} pixels, past the same "
-        f"triangles, which ours knows only as lines between neighbouring pixels; the peer's {theirs:.5f}, "
+        f"triangles; the peer's {theirs:.5f}, "
         f"casting alone, {cast * scale / 1e6:.1f} million rays" + (f", timed at {len(timed)} pixels" if quick else ""),
     )
     peak = peak_bytes(lambda: horizon_transport(surface, ORDER))

@@ -18,6 +18,7 @@ Rectangle = tuple[slice, slice]
 
 BAND = 1 << 14  # pixels whose horizons are raised together: a few arrays of 128 KB, which stay in the cache
 SPACING = 1 / 32  # of the distance: how far apart a line of sight is looked at, and no closer than row by row
+DIAGONALS = 4  # how many of either kind a line of sight is compared with
 CHASM = -1e30  # relative to the relief: what a line between a pixel and a hole falls to
 FREE = 1e15  # relative to the relief: slopes below minus this come from holes alone
 TALLEST = 1e150  # pixels: chasms below it are still numbers
@@ -31,6 +32,8 @@ class Terrain:
     heights: Doubles
     rises: Doubles  # to the right neighbour, (h, w - 1)
     relief: float  # the largest height, at least 1
+    upward: Doubles  # rises along the diagonal up and to the right of each square, (h - 1, w - 1)
+    downward: Doubles  # and along that down and to the right; chasms where the other one divides the square
 
     @classmethod
     def of(cls, depth: Floats, mask: NDArray[np.bool_], pixel_size: float) -> Terrain:
@@ -45,7 +48,54 @@ class Terrain:
         heights = np.subtract(depth, lowest, dtype=np.float64, order="C")
         heights /= pixel_size
         heights[~mask] = CHASM * relief
-        return cls(heights, np.diff(heights, axis=1), relief)
+        upward, downward = heights[:-1, 1:] - heights[1:, :-1], heights[1:, 1:] - heights[:-1, :-1]
+        lesser, chasm = np.abs(upward) <= np.abs(downward), CHASM * relief
+        no_triangle = heights[:-1, :-1] + heights[1:, 1:] < 1.5 * chasm  # both of the other corners are missing
+        upward[~lesser | no_triangle] = downward[lesser] = chasm
+        return cls(heights, np.diff(heights, axis=1), relief, upward, downward)
+
+    def raise_near(self, slopes: Doubles, down: float, right: float) -> None:
+        """Raise slopes (h, w) to what is seen past the nearest diagonals, which divide squares into two triangles.
+
+        Of the two diagonals of a square it is the one with the lesser step. Farther off, rows and columns tell enough.
+        """
+        for number in range(1, DIAGONALS + 1):
+            if abs(down + right) > ON_THE_GRID:  # diagonals on which rows plus columns are the same
+                distance = number / abs(down + right)
+                row = math.ceil(distance * down - ON_THE_GRID)
+                node = (row, round(distance * (down + right)) - row)
+                square = (row - 1, node[1])
+                self._raise_past(slopes, node, square, self.upward, row - distance * down, distance)
+            if abs(down - right) > ON_THE_GRID:  # and rows minus columns
+                distance = number / abs(down - right)
+                row = math.floor(distance * down + ON_THE_GRID)
+                node = (row, row - round(distance * (down - right)))
+                self._raise_past(slopes, node, node, self.downward, distance * down - row, distance)
+
+    def _raise_past(
+        self,
+        slopes: Doubles,
+        node: tuple[int, int],
+        square: tuple[int, int],
+        rises: Doubles,
+        part: float,
+        distance: float,
+    ) -> None:
+        """Raise slopes by what stands on the diagonals of squares at an offset, part of the way from a node."""
+        spans = [
+            slice(max(0, -offset), min(size, size - 1 - offset))
+            for size, offset in zip(slopes.shape, square, strict=True)
+        ]
+        if part < ON_THE_GRID or any(span.start >= span.stop for span in spans):
+            return
+        here = (spans[0], spans[1])
+        from_node, along = (
+            tuple(slice(span.start + offset, span.stop + offset) for span, offset in zip(spans, offsets, strict=True))
+            for offsets in (node, square)
+        )
+        rise = cv2.scaleAdd(rises[along], part, self.heights[from_node])
+        cv2.addWeighted(rise, 1 / distance, self.heights[here], -1 / distance, 0.0, rise)
+        cv2.max(slopes[here], rise, slopes[here])
 
     def raise_slopes(self, slopes: Doubles, down: float, right: float) -> None:
         """Raise slopes (h, w) to what is seen past the rows along a direction that is not parallel to them.

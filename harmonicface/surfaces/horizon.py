@@ -25,9 +25,10 @@ def horizons(depth: ArrayLike, mask: ArrayLike | None, pixel_size: float, azimut
     .. math:: h(x, \phi) = \max_{s > 0} \arctan \frac{z(x + s (\cos\phi, \sin\phi)) - z(x)}{s}
 
     (Max, Horizon mapping: shadows for bump-mapped surfaces, 1988). The surface is solid below its depth, and between
-    two neighbouring pixels it is the straight line; a line of sight is compared with it where it crosses rows and
-    columns of pixels: each of them up to 64 away, and farther off at distances that differ by no more than a 32nd.
-    Outside the mask nothing blocks, and nothing spans the gap between a pixel and a hole.
+    two neighbouring pixels it is the straight line. A line of sight is compared with it where it crosses rows and
+    columns of pixels: each of them up to 64 away, and farther off at distances that differ by no more than a 32nd; near
+    by also where it crosses diagonals, of each square of pixels the one with the lesser step, the first four of either
+    kind. Outside the mask nothing blocks, and nothing spans the gap between a pixel and a hole.
 
     Parameters
     ----------
@@ -91,6 +92,7 @@ def horizon_slopes(
         slopes.fill(np.inf)
         slopes[mask] = -np.inf if normals is None else tangent_plane(normals, azimuth)
         down, right = -math.sin(azimuth), math.cos(azimuth)
+        upright.raise_near(slopes, down, right)
         if abs(down) > AXIS:
             upright.raise_slopes(slopes, down, right)
         if abs(right) > AXIS:

@@ -27,9 +27,33 @@ def slow_horizons(depth: np.ndarray, pixel_size: float, azimuths: np.ndarray) ->
 
 def _slow_horizon(heights: np.ndarray, row: int, column: int, azimuth: float) -> float:
     down, right = -math.sin(azimuth), math.cos(azimuth)
+    mirrored = heights[:, ::-1], row, heights.shape[1] - 1 - column, down, -right
     return math.atan(
-        max(_past_rows(heights, row, column, down, right), _past_rows(heights.T, column, row, right, down))
+        max(
+            _past_rows(heights, row, column, down, right),
+            _past_rows(heights.T, column, row, right, down),
+            _past_diagonals(heights, row, column, down, right, ties=False),
+            _past_diagonals(*mirrored, ties=True),
+        )
     )
+
+
+def _past_diagonals(heights: np.ndarray, row: int, column: int, down: float, right: float, ties: bool) -> float:
+    """Past the first four diagonals from the upper left to the lower right of squares."""
+    best = -math.inf
+    for number in range(1, 5 if abs(down - right) > 1e-9 else 1):
+        distance = number / abs(down - right)
+        r, c = row + distance * down, column + distance * right
+        top, left = math.floor(r + 1e-9), math.floor(c + 1e-9)
+        part = r - top
+        if part < 1e-9 or not (0 <= top < heights.shape[0] - 1 and 0 <= left < heights.shape[1] - 1):
+            continue
+        a, b, c, d = heights[top : top + 2, left : left + 2].ravel()
+        one_is_missing = math.isnan(b) != math.isnan(c)
+        if one_is_missing or abs(d - a) < abs(b - c) or (ties and abs(d - a) == abs(b - c)):
+            z = a + part * (d - a)
+            best = best if math.isnan(z) else max(best, (z - heights[row, column]) / distance)
+    return best
 
 
 def _past_rows(heights: np.ndarray, row: int, column: int, down: float, right: float) -> float:
