@@ -13,40 +13,17 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.recognition.blocks import BLOCK, REACH, correlations, known_blocks, unit_blocks
+from harmonicface.recognition.blocks import REACH, correlations, known_blocks, unit_blocks
+from harmonicface.recognition.grid import NEIGHBOURHOOD, OnGrid, blurred, on_grid
 
-ROWS = 96  # of the grid; photographs with fewer keep theirs
-SMALLEST = 2 * BLOCK  # pixels a side: fewer than 2 x 2 blocks tell little
 SCALES = (0.35, 0.5, 0.7)  # standard deviations in pixels of the grid
 WIDER = 1.5  # the second Gaussian over the first
-NEIGHBOURHOOD = 3.0  # standard deviation in pixels of what counts as local
 DARK = 0.008  # of the bright parts: about two grey levels of 255, below which a logarithm shows noise
 BRIGHT = 99  # percentile
 FAINT = 0.1  # of the mean energy is added, so that smooth regions stay quiet
 LEAST_ENERGY = 1e-4  # in logarithms: a hundredth of a percent of contrast, between rounding and a grey level
 
 Pattern = NDArray[np.float32]
-
-
-def grid(shape: tuple[int, int]) -> tuple[int, int]:
-    """Return height and width at which photographs of this shape are compared: 96 rows, or their own if they have less.
-
-    Raises
-    ------
-    HarmonicFaceError
-        Fewer than 24 pixels a side on that grid.
-
-    Examples
-    --------
-    >>> grid((192, 168)), grid((64, 64))
-    ((96, 84), (64, 64))
-    """
-    rows = min(ROWS, shape[0])
-    columns = round(shape[1] * rows / shape[0]) if shape[0] else 0
-    if min(rows, columns) < SMALLEST:
-        expected = f"at least {SMALLEST} pixels a side, for two blocks of {BLOCK}"
-        raise HarmonicFaceError(f"photo: expected {expected}, got {rows} x {columns} (at most {ROWS} rows are used)")
-    return rows, columns
 
 
 def patterns(photo: ArrayLike, mask: ArrayLike | None = None) -> Pattern:
@@ -85,22 +62,16 @@ def patterns(photo: ArrayLike, mask: ArrayLike | None = None) -> Pattern:
     >>> float(np.abs(patterns(np.ones((32, 32)))).max())
     0.0
     """
-    pixels = _validate.finite(photo, "photo")
-    if pixels.ndim != 2:
-        raise HarmonicFaceError(f"photo: expected shape (h, w), got {_validate.describe(pixels)}")
-    rows, columns = grid((pixels.shape[0], pixels.shape[1]))
-    largest = float(np.abs(pixels).max()) or 1.0
-    small = np.maximum(_resized(np.asarray(pixels / largest, np.float32), rows, columns), 0)
-    if mask is not None:
-        good = _validate.mask(mask, "mask", (pixels.shape[0], pixels.shape[1])).astype(np.float32)
-        cover = _resized(good, rows, columns)
-        seen = cover > 0.5
-        light = _resized(np.asarray(np.maximum(pixels, 0) / largest * good, np.float32), rows, columns)
-        small = _filled(light, cover, seen)
-    bright = _bright(small if mask is None else small[seen])
-    log = cv2.log(small / np.float32(bright) + np.float32(DARK))
+    return patterns_on_grid(on_grid(photo, mask))
+
+
+def patterns_on_grid(picture: OnGrid) -> Pattern:
+    """Return the local patterns of a picture that is on its grid already, (3, h, w)."""
+    light = np.maximum(picture.light, 0)
+    bright = _bright(light if picture.seen is None else light[picture.seen])
+    log = cv2.log(light / np.float32(bright) + np.float32(DARK))
     found = np.stack([_at_scale(log, scale) for scale in SCALES])
-    return found if mask is None else found * seen
+    return found if picture.seen is None else found * picture.seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,33 +197,11 @@ def similarity(query: Pattern, templates: Sequence[Template], reach: int = REACH
 
 def _at_scale(log: Pattern, scale: float) -> Pattern:
     """Return the pattern of a logarithm at one scale."""
-    detail = _gauss(log, scale) - _gauss(log, WIDER * scale)
-    energy = np.sqrt(_gauss(detail * detail, NEIGHBOURHOOD))
+    detail = blurred(log, scale) - blurred(log, WIDER * scale)
+    energy = np.sqrt(blurred(detail * detail, NEIGHBOURHOOD))
     found = np.tanh(detail / (energy + np.float32(FAINT * energy.mean() + LEAST_ENERGY)))
     found[energy < LEAST_ENERGY] = 0
     return np.asarray(found)
-
-
-def _gauss(picture: Pattern, deviation: float) -> Pattern:
-    """Blur a picture, reflected at its borders; the kernel ends at four deviations."""
-    reach = int(4 * deviation + 0.5)
-    kernel = np.exp(-0.5 * np.square(np.arange(-reach, reach + 1) / deviation))
-    kernel = (kernel / kernel.sum()).astype(np.float32)
-    return np.asarray(cv2.sepFilter2D(picture, cv2.CV_32F, kernel, kernel, borderType=cv2.BORDER_REFLECT))
-
-
-def _resized(picture: Pattern, rows: int, columns: int) -> Pattern:
-    """Return a picture at a smaller size by averaging areas."""
-    if picture.shape == (rows, columns):
-        return picture
-    return np.asarray(cv2.resize(picture, (columns, rows), interpolation=cv2.INTER_AREA))
-
-
-def _filled(light: Pattern, cover: Pattern, seen: NDArray[np.bool_]) -> Pattern:
-    """Return a picture with what the mask hides filled from its surroundings, so that the mask draws no edge."""
-    tiny = np.float32(1e-12)
-    around = _gauss(light, NEIGHBOURHOOD) / (_gauss(cover, NEIGHBOURHOOD) + tiny)
-    return np.asarray(np.where(seen, light / np.maximum(cover, tiny), around), np.float32)
 
 
 def _bright(pixels: Floats) -> float:
