@@ -23,11 +23,38 @@ EVERY_METHOD = (*METHODS, *SHADOWED)
 
 @dataclass(frozen=True, eq=False)
 class Person:
-    """Somebody to enrol: photographs for the methods that learn from pictures, a Surface for the others."""
+    """Somebody to enrol: photographs for the methods that learn from pictures, a Surface for the others.
+
+    Parameters
+    ----------
+    name
+        A different one for everybody.
+    photographs
+        (n, h, w) linear intensities, 0 to 1.
+    known
+        Her Surface, as photometric stereo finds it in them; None where they are too few.
+    lights
+        (n, 3) directions to the light of each photograph, where they are known.
+    """
 
     name: str
     photographs: Floats
-    surface: Surface
+    known: Surface | None
+    lights: Floats | None = None
+
+    @property
+    def surface(self) -> Surface:
+        """Her Surface.
+
+        Raises
+        ------
+        HarmonicFaceError
+            There is none.
+        """
+        if self.known is None:
+            expected = "photographs under at least three lights, which give a Surface"
+            raise HarmonicFaceError(f"{self.name}: expected {expected}, got {len(self.photographs)}")
+        return self.known
 
 
 class Contender(Protocol):
@@ -83,9 +110,10 @@ class ShiftedContender:
         """Enrol the Surface of everybody."""
         pictures_of = subspace_model(self.model)
         for person in people:
-            images = pictures_of(person.surface)
-            pictures = np.zeros((len(images), *person.surface.shape), images.dtype)
-            pictures[:, person.surface.mask] = images
+            surface = person.surface
+            images = pictures_of(surface)
+            pictures = np.zeros((len(images), *surface.shape), images.dtype)
+            pictures[:, surface.mask] = images
             self.search.enroll(pictures)
 
     def nearest(self, photo: Floats) -> int:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from harmonicface.bench.benchmark import BenchmarkResult
-from harmonicface.bench.yale_b import YaleResult
+from harmonicface.bench.published import published
+from harmonicface.bench.yale_result import YaleMethod, YaleResult
+from harmonicface.recognition.intervals import Rate
 
 
 def error_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
@@ -45,3 +47,43 @@ def yale_table(result: YaleResult) -> tuple[list[str], list[list[str]]]:
         for name, method in result.methods.items()
     ]
     return heads, rows
+
+
+def published_table(result: YaleResult) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows: what is published for the protocol beside ours, in %, with binomial 95 % intervals.
+
+    The last column says whether our error lies in the interval of the published one, or beyond it.
+    """
+    heads = ["published", "subsets", "%", "95 %", "ours", "%", "95 %", "ours has"]
+    rows = []
+    for row in published(result.train):
+        for subsets in row.error_percent:
+            theirs, own = row.rate(subsets), _own(result.methods.get(row.ours), subsets)
+            left = [row.name, subsets, f"{row.error_percent[subsets]:g}", _interval(theirs), row.ours]
+            rows.append(
+                [*left, *(["-", "-", "-"] if own is None else [_percent(own), _interval(own), _side(own, theirs)])]
+            )
+    return heads, rows
+
+
+def _own(method: YaleMethod | None, subsets: str) -> Rate | None:
+    """Return our error over subsets spelled as in "2" or "1-4"."""
+    if method is None:
+        return None
+    first, _, last = subsets.partition("-")
+    return method.rate(range(int(first), int(last or first) + 1))
+
+
+def _side(own: Rate, theirs: Rate) -> str:
+    """Say where our error lies beside a published interval."""
+    if own.value < theirs.low:
+        return "fewer"
+    return "more" if own.value > theirs.high else "as many"
+
+
+def _percent(found: Rate) -> str:
+    return f"{100 * found.value:.2f}"
+
+
+def _interval(found: Rate) -> str:
+    return f"{100 * found.low:.1f}-{100 * found.high:.1f}"

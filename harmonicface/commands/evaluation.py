@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -15,15 +14,21 @@ from harmonicface.bench.console import print_table, progress
 from harmonicface.bench.contenders import EVERY_METHOD, METHODS
 from harmonicface.bench.crowds import ICT_ALBEDOS, SYNTHETIC, ict_crowd
 from harmonicface.bench.report import results, write_report
-from harmonicface.bench.table import error_table, margin_table, yale_table
-from harmonicface.bench.yale_b import TRAINING, evaluate_yale_b
+from harmonicface.bench.table import error_table, margin_table, published_table, yale_table
+from harmonicface.bench.yale_b import evaluate_yale_b
+from harmonicface.bench.yale_contenders import YALE_METHODS
+from harmonicface.bench.yale_protocols import PROTOCOLS, published_size
+from harmonicface.bench.yale_report import write_yale_report
+from harmonicface.bench.yale_result import YaleResult, as_json
 from harmonicface.commands.options import AsJson, make_folder
 from harmonicface.datasets.yale_b import parse_people
 from harmonicface.errors import HarmonicFaceError
 
-NAMES = f"Comma-separated, of {', '.join(EVERY_METHOD)}."
-SyntheticMethods = Annotated[str | None, typer.Option(help=NAMES, show_default="all that need no cast shadows")]
-Methods = Annotated[str | None, typer.Option(help=NAMES, show_default="all")]
+NAMES = "Comma-separated, of {}."
+SyntheticMethods = Annotated[
+    str | None, typer.Option(help=NAMES.format(", ".join(EVERY_METHOD)), show_default="all that need no cast shadows")
+]
+YaleMethods = Annotated[str | None, typer.Option(help=NAMES.format(", ".join(YALE_METHODS)), show_default="all")]
 
 
 def bench(
@@ -60,18 +65,41 @@ def bench(
 def evaluate_yale(
     folder: Annotated[Path, typer.Argument(help="Folder of yaleB01, yaleB02, ...", show_default=False)],
     people: Annotated[str | None, typer.Option(help="As 1-10 or 1,3,5.", show_default="all")] = None,
-    train: Annotated[str, typer.Option(help=f"One of {', '.join(TRAINING)}.")] = "subset1",
-    methods: Methods = None,
-    as_json: AsJson = False,
+    train: Annotated[str, typer.Option(help=f"Learned from: one of {', '.join(PROTOCOLS)}.")] = "subset1",
+    methods: YaleMethods = None,
+    noise: Annotated[float, typer.Option(help="Deviation of noise added to queries, white being 1.")] = 0.0,
+    jpeg: Annotated[int | None, typer.Option(help="JPEG quality of queries.", show_default="as they are")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for results.json and report.html.", show_default="none")
+    ] = None,
+    as_json_: AsJson = False,
 ) -> None:
-    """Recognize real photographs: the Extended Yale Face Database B, trained on frontal light."""
+    """Recognize real photographs: the Extended Yale Face Database B, by its published protocols."""
     numbers = None if people is None else parse_people(people)
+    if out is not None:
+        make_folder(out)  # before the work rather than after it
     with progress() as tell:
-        result = evaluate_yale_b(folder, numbers, train, _methods(methods, EVERY_METHOD), tell)
-    if as_json:
-        typer.echo(json.dumps(asdict(result)))
+        result = evaluate_yale_b(folder, numbers, train, _methods(methods, YALE_METHODS), tell, noise, jpeg)
+    page = None if out is None else write_yale_report(result, out)
+    for name, reason in result.left_out.items():
+        typer.echo(f"left out: {name}: {reason}", err=True)
+    if as_json_:
+        typer.echo(json.dumps(as_json(result)))
         return
-    print_table(f"Wrong answers by subset, %, trained on {train}; milliseconds a photograph", *yale_table(result))
+    _print_yale(result)
+    if page is not None:
+        typer.echo(f"\nReport: {page.resolve()}")
+
+
+def _print_yale(result: YaleResult) -> None:
+    """Print our errors, and the published ones beside them."""
+    print_table(
+        f"Wrong answers by subset, %, trained on {result.train}; milliseconds a photograph", *yale_table(result)
+    )
+    heads, rows = published_table(result)
+    if rows:
+        size = "the same photographs" if published_size(result.people, result.n) else "other photographs than ours"
+        print_table(f"Published beside ours, with 95 % intervals ({size})", heads, rows)
 
 
 def _methods(text: str | None, usual: Sequence[str]) -> Sequence[str]:

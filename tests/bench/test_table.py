@@ -5,8 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from harmonicface.bench.benchmark import Margin, MethodResult, OpenSet
-from harmonicface.bench.table import error_table, margin_table, yale_table
-from harmonicface.bench.yale_b import YaleMethod, YaleResult
+from harmonicface.bench.table import error_table, margin_table, published_table, yale_table
+from harmonicface.bench.yale_result import YaleMethod, YaleResult
 
 RESULT = SimpleNamespace(
     queries={"frontal": 200, "side": 40},
@@ -41,3 +41,34 @@ def test_subsets_without_photographs_have_no_column() -> None:
         ["method", "subset 1", "subset 4", "ms"],
         [["harmonic9", "0.00", "2.86", "1.70"]],
     )
+
+
+def test_published_errors_beside_ours() -> None:
+    asked = {"1": 70, "2": 120, "3": 120, "4": 140, "5": 190}
+    methods = {
+        "correlation": YaleMethod({}, 1.0, {"4": 131}, asked),  # 29.1 % of 450, as is published
+        "linear3": YaleMethod({}, 1.0, {"4": 2, "5": 100}, asked),  # subset 5 is not among the 450
+        "harmonic9": YaleMethod({}, 1.0, {"3": 20}, asked),
+    }
+    heads, rows = published_table(YaleResult("yale-b", "subset1", list(range(1, 11)), asked, methods))
+    assert heads == ["published", "subsets", "%", "95 %", "ours", "%", "95 %", "ours has"]
+    found = {row[4]: row for row in rows}
+    assert found["correlation"] == [
+        "correlation", "1-4", "29.1", "25.0-33.5", "correlation", "29.11", "25.0-33.5", "as many",
+    ]  # fmt: skip
+    assert found["linear3"][5:] == ["0.44", "0.1-1.6", "fewer"]
+    assert found["harmonic9"][5:] == ["4.44", "2.7-6.8", "more"]
+    assert found["gradient_angle"][5:] == ["-", "-", "-"]
+
+
+def test_single_subsets_beside_published_ones() -> None:
+    asked = {"2": 12, "3": 12, "4": 14, "5": 0}
+    method = YaleMethod({}, 1.0, {"4": 7}, asked)
+    rows = published_table(YaleResult("yale-b", "frontal", [1, 2], asked, {"default": method}))[1]
+    assert [row[1:3] + row[5:6] for row in rows[:4]] == [
+        ["2", "0", "0.00"],
+        ["3", "12.9", "0.00"],
+        ["4", "12.4", "50.00"],
+        ["5", "15.2", "-"],
+    ]
+    assert published_table(YaleResult("yale-b", "subset12", [1, 2], asked, {"default": method}))[1] == []
