@@ -51,8 +51,8 @@ class NearestCone(SurfaceClassifier):
         """Return the share of the energy that no positive light explains, (n, c)."""
         people, rank, size = self.rows_.shape
         unit = unit_length(pixels.astype(np.float32, copy=False))
-        seen = (unit @ self.rows_.reshape(-1, size).T).reshape(-1, people, rank).astype(np.float64)
-        targets = np.einsum("cnr,ckr->nck", seen.transpose(1, 0, 2), self.factors_, optimize=True)
+        seen = (self.rows_.reshape(-1, size) @ unit.T).reshape(people, rank, -1).astype(np.float64)
+        targets = np.moveaxis(self.factors_ @ seen, 2, 0)
         weights = nonnegative_solutions(self.grams_, targets)
         explained = np.einsum("nck,nck->nc", weights, targets)  # at a minimum x.Gx = x.b
         energy = np.einsum("np,np->n", unit, unit, dtype=np.float64)

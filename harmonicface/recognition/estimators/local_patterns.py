@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import cv2
 import numpy as np
+from sklearn.metrics.pairwise import additive_chi2_kernel
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.recognition.estimators.base import Codes, FaceClassifier
+from harmonicface.recognition.estimators.base import Codes
 from harmonicface.recognition.estimators.image_table import as_images
+from harmonicface.recognition.estimators.nearest import NearestPhotograph
 from harmonicface.recognition.opencv import eight_bits
 
 LEAST = 10  # pixels a side: one a cell, and the border that patterns of radius 1 lose
 
 
-class LocalBinaryPatterns(FaceClassifier):
+class LocalBinaryPatterns(NearestPhotograph):
     """Nearest photograph by histograms of local binary patterns (Ahonen, Hadid & Pietikainen 2006), by `cv2.face`.
 
     Radius 1, 8 neighbours, 8 x 8 cells, the defaults of OpenCV; its distance is chi-square, summed over the cells.
@@ -43,25 +43,18 @@ class LocalBinaryPatterns(FaceClassifier):
         self.image_shape = image_shape
 
     def _learn(self, pixels: Floats, codes: Codes) -> None:
-        images = self._images(pixels)
+        self._keep(self._features(pixels), codes)
+
+    def _features(self, pixels: Floats) -> Floats:
+        """Return the histograms of all cells, (n, 16384), as OpenCV keeps those of photographs that it learns."""
+        images = eight_bits(as_images(pixels, self.image_shape).astype(np.float32, copy=False), "photographs")
         if min(images.shape[1:]) < LEAST:
             expected = f"at least {LEAST} x {LEAST} pixels for 8 x 8 cells"
             raise HarmonicFaceError(f"image_shape: expected {expected}, got {images.shape[1:]}")
-        self._model = cv2.face.LBPHFaceRecognizer.create()
-        self._model.train(list(images), codes.astype(np.int32))
+        model = cv2.face.LBPHFaceRecognizer.create()
+        model.train(list(images), np.zeros(len(images), np.int32))
+        return np.concatenate(model.getHistograms())
 
     def _distances(self, pixels: Floats) -> Floats:
-        return np.array([self._to_people(image) for image in self._images(pixels)])
-
-    def _to_people(self, image: Any) -> Floats:
-        """Return the distance to the nearest photograph of each person, (c,)."""
-        collector = cv2.face.StandardCollector.create()
-        self._model.predict_collect(image, collector)
-        distances = np.full(len(self.classes_), np.inf)
-        for code, distance in collector.getResults():
-            distances[code] = min(distances[code], distance)
-        return distances
-
-    def _images(self, pixels: Floats) -> Any:
-        """Return the photographs as OpenCV takes them."""
-        return eight_bits(as_images(pixels, self.image_shape).astype(np.float32), "photographs")
+        # the kernel is minus half of OpenCV's distance
+        return self._to_people(-2 * additive_chi2_kernel(self._features(pixels), self.features_))

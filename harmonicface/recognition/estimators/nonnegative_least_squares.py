@@ -18,7 +18,9 @@ ROUNDS_PER_VARIABLE = 5
 ROOM = 8  # positive variables to begin with
 
 
-def nonnegative_solutions(grams: Doubles, targets: Doubles, tolerance: float = TOLERANCE) -> Doubles:
+def nonnegative_solutions(
+    grams: Doubles, targets: Doubles, tolerance: float = TOLERANCE, rounds: int | None = None
+) -> Doubles:
     r"""Minimize x^T G x - 2 x^T b over x >= 0, for every b with its G.
 
     With G = R R^T and b = R y that is |R^T x - y|^2. The active set method of Lawson & Hanson (1974) from the normal
@@ -35,6 +37,8 @@ def nonnegative_solutions(grams: Doubles, targets: Doubles, tolerance: float = T
         (n, m, k): n right sides for each of the m.
     tolerance
         A variable is taken in while its slope is above this share of the problem's largest target.
+    rounds
+        At most so many; by default five for each variable, which is many times what is needed.
 
     Returns
     -------
@@ -44,7 +48,7 @@ def nonnegative_solutions(grams: Doubles, targets: Doubles, tolerance: float = T
     Raises
     ------
     HarmonicFaceError
-        It does not settle, as where a matrix is not positive semidefinite.
+        Some problems are still open after the rounds.
 
     Examples
     --------
@@ -60,7 +64,8 @@ def nonnegative_solutions(grams: Doubles, targets: Doubles, tolerance: float = T
     ridge = RIDGE * np.trace(grams, axis1=1, axis2=2) / k
     result = np.zeros(flat.shape)
     state = _Problems.of(padded, ridge, flat, tolerance * np.abs(flat).max(axis=1, initial=0))
-    for _ in range(ROUNDS_PER_VARIABLE * (k + 1)):
+    most = ROUNDS_PER_VARIABLE * (k + 1) if rounds is None else rounds
+    for _ in range(most):
         done = state.take_in()
         if done.any():
             result[state.number[done, None], state.places[done]] = state.values[done]
@@ -68,8 +73,9 @@ def nonnegative_solutions(grams: Doubles, targets: Doubles, tolerance: float = T
         if not len(state.number):
             return result[:, :k].reshape(targets.shape)
         state.step()
-    expected, got = "positive semidefinite matrices", f"{len(state.number)} problems that do not settle"
-    raise HarmonicFaceError(f"grams: expected {expected}, got {got}")
+    raise HarmonicFaceError(
+        f"grams: expected problems that settle in {most} rounds, got {len(state.number)} that do not"
+    )
 
 
 @dataclass

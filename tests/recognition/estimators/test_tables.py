@@ -2,20 +2,55 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 from sklearn.base import BaseEstimator
 from sklearn.model_selection import cross_val_score
-from sklearn.utils.estimator_checks import parametrize_with_checks
+from sklearn.utils.estimator_checks import check_estimator, estimator_checks_generator, parametrize_with_checks
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.estimators.base import FaceClassifier
 from harmonicface.recognition.estimators.correlation import Correlation
 from harmonicface.recognition.estimators.eigenfaces import Eigenfaces
 from harmonicface.recognition.estimators.fisherfaces import Fisherfaces
+from harmonicface.recognition.estimators.from_surfaces import SurfaceClassifier
+from harmonicface.recognition.estimators.gradient_angle import GradientAngle
+from harmonicface.recognition.estimators.harmonic import Harmonic9
+from harmonicface.recognition.estimators.linear import Ambient4, Linear3
+from harmonicface.recognition.estimators.nine_points import NinePointsReal
 from harmonicface.recognition.estimators.photograph_subspace import PhotographSubspace
+from harmonicface.recognition.estimators.registry import ESTIMATORS, estimator
 
-ON_TABLES = [Correlation(), Eigenfaces(), Eigenfaces(contrast=False), Fisherfaces(), PhotographSubspace(2)]
+ON_TABLES = [
+    Correlation(),
+    Eigenfaces(),
+    Eigenfaces(contrast=False),
+    Fisherfaces(),
+    PhotographSubspace(2),
+    NinePointsReal(),
+    Linear3(),
+    Ambient4(),
+]
+WITHOUT_THREE = """
+    check_classifier_data_not_an_array check_classifiers_classes check_classifiers_one_label check_classifiers_train
+    check_dict_unchanged check_dont_overwrite_parameters check_estimators_fit_returns_self check_estimators_nan_inf
+    check_estimators_overwrite_params check_estimators_pickle check_f_contiguous_array_estimator check_fit2d_predict1d
+    check_fit_check_is_fitted check_fit_idempotent check_fit_score_takes_y check_methods_sample_order_invariance
+    check_methods_subset_invariance check_n_features_in check_pipeline_consistency check_readonly_memmap_input
+    check_supervised_y_2d
+"""
+IMAGES_ALONE = """
+    check_classifier_data_not_an_array check_classifiers_classes check_classifiers_one_label check_classifiers_train
+    check_dict_unchanged check_dont_overwrite_parameters check_dtype_object check_estimators_dtypes
+    check_estimators_fit_returns_self check_estimators_nan_inf check_estimators_overwrite_params check_estimators_pickle
+    check_f_contiguous_array_estimator check_fit2d_1feature check_fit2d_1sample check_fit2d_predict1d
+    check_fit_check_is_fitted check_fit_idempotent check_fit_score_takes_y check_methods_sample_order_invariance
+    check_methods_subset_invariance check_n_features_in check_n_features_in_after_fitting check_pipeline_consistency
+    check_positive_only_tag_during_fit check_readonly_memmap_input check_supervised_y_2d
+"""
+NOT_ON_TABLES = [estimator(name) for name in ESTIMATORS if type(estimator(name)) not in map(type, ON_TABLES)]
 each = pytest.mark.parametrize("classifier", ON_TABLES, ids=repr)
 
 
@@ -23,6 +58,36 @@ each = pytest.mark.parametrize("classifier", ON_TABLES, ids=repr)
 @parametrize_with_checks(ON_TABLES)
 def test_scikit_learn_checks(estimator: BaseEstimator, check) -> None:
     check(estimator)
+
+
+def cannot_apply(classifier: FaceClassifier) -> dict[str, str]:
+    """Name the checks that fit a method on a table that it cannot learn from."""
+    if isinstance(classifier, Eigenfaces):
+        return dict.fromkeys(WITHOUT_THREE.split(), "the table has too few columns to leave out three components")
+    lacks = "lights" if isinstance(classifier, SurfaceClassifier) else "the height and width of an image"
+    return dict.fromkeys(IMAGES_ALONE.split(), f"the check fits a table without {lacks}")
+
+
+def can_apply() -> Iterator[object]:
+    """Yield each check with a method that it can be applied to."""
+    for classifier in (*NOT_ON_TABLES, Eigenfaces(drop_first=3)):
+        for _, check in estimator_checks_generator(classifier):
+            if check.func.__name__ not in cannot_apply(classifier):
+                yield pytest.param(classifier, check, id=f"{classifier}-{check.func.__name__}")
+
+
+@pytest.mark.filterwarnings("ignore::sklearn.exceptions.SkipTestWarning")
+@pytest.mark.parametrize(("classifier", "check"), list(can_apply()))
+def test_scikit_learn_checks_that_can_apply(classifier: FaceClassifier, check) -> None:
+    check(classifier)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("classifier", [GradientAngle(), Harmonic9(), Eigenfaces(drop_first=3)], ids=repr)
+def test_no_other_check_is_left_out(classifier: FaceClassifier) -> None:
+    results = check_estimator(classifier, on_fail=None, on_skip=None)
+    failed = {result["check_name"] for result in results if result["status"] == "failed"}
+    assert failed == set(cannot_apply(classifier))
 
 
 def faces(people: int = 3, each: int = 4, size: int = 60, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
