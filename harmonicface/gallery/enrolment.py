@@ -1,4 +1,4 @@
-"""What stands for a person: the span of the pictures that her Surface or her photographs give."""
+"""What stands for a person: the span of the pictures that her Surface or her photographs give, and a template."""
 
 from __future__ import annotations
 
@@ -6,57 +6,128 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.portrait import photographed_template, rendered_template
+from harmonicface.io.colour import luminance
+from harmonicface.recognition.patterns import Template
 from harmonicface.recognition.subspace import Subspace
+from harmonicface.stereo.calibrated import calibrated_stereo
+from harmonicface.stereo.registration import register
 from harmonicface.surfaces.surface import Surface
 
 FEWEST_PHOTOGRAPHS = 3  # fewer do not span the pictures of even a surface without shadows
 MOST_ROWS = 9
+SURFACE, LIT, PHOTOGRAPHS, PHOTOGRAPH = SOURCES = ("surface", "lit photographs", "photographs", "photograph")
+WITH_GEOMETRY = (SURFACE, LIT)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What a gallery makes of people.
+
+    Parameters
+    ----------
+    pictures_of
+        The pictures that span those of a Surface.
+    fewest
+        How many photographs under unknown lights it needs.
+    templates
+        Whether it keeps templates of local patterns.
+    """
+
+    pictures_of: Callable[[Surface], Floats]
+    fewest: int = FEWEST_PHOTOGRAPHS
+    templates: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Enrolment:
-    """A person's subspace, the frame it is in, and what it was made from: "surface" or "photographs"."""
+    """A person's subspace, the frame it is in, what it was made from (one of `SOURCES`), and a template."""
 
     subspace: Subspace
     frame: Frame
     source: str
+    template: Template | None = None
 
 
 def enrolment_of(
-    source: Surface | ArrayLike, frame: Frame | None, pictures_of: Callable[[Surface], Floats]
+    source: Surface | ArrayLike, frame: Frame | None, model: Model, lights: ArrayLike | None = None
 ) -> Enrolment:
     """Return what stands for a person.
 
     Parameters
     ----------
     source
-        A Surface, or (n, h, w) photographs under n >= 3 different lights, of which the nine strongest directions count.
+        A Surface; (n, h, w) or (n, h, w, 3) photographs; or one, (h, w) or (h, w, 3). Of photographs under unknown
+        lights the nine strongest directions of their span count.
     frame
         The gallery's; None for the first person, whose every pixel then becomes the frame.
-    pictures_of
-        The model: the pictures that span those of a Surface.
+    model
+        What the gallery makes of people.
+    lights
+        (n, 3) directions to the lights of n >= 3 photographs, times their strengths: the photographs are registered to
+        each other, and their stereo is the Surface.
 
     Raises
     ------
     HarmonicFaceError
-        Another shape than the frame's, fewer than three different photographs, negative ones, NaN, an empty overlap.
+        Another shape than the frame's, too few different photographs, negative ones, NaN, an empty overlap; lights
+        of a Surface; what registration and stereo refuse.
     """
     if isinstance(source, Surface):
-        frame = frame or Frame(np.ones(source.shape, np.bool_))
-        return Enrolment(Subspace.of(frame.place(pictures_of(source), source.mask)), frame, "surface")
-    stack = _validate.floats(source, "photographs")
-    if stack.ndim not in (3, 4) or len(stack) < FEWEST_PHOTOGRAPHS or stack.size == 0:
-        expected = f"a Surface, or at least {FEWEST_PHOTOGRAPHS} photographs of shape (n, h, w)"
-        raise HarmonicFaceError(f"source: expected {expected}, got {_validate.describe(stack)}")
+        if lights is not None:
+            raise HarmonicFaceError("lights: expected them with photographs only, got them with a Surface")
+        return _of_surface(source, frame, model, SURFACE)
+    stack = _photographs(source, 1 if lights is not None else model.fewest)
     frame = frame or Frame(np.ones(stack.shape[1:3], np.bool_))
-    subspace = Subspace.of(np.stack([frame.take(photo, "photographs") for photo in stack]), MOST_ROWS)
-    if subspace.rank < FEWEST_PHOTOGRAPHS:
-        expected = f"at least {FEWEST_PHOTOGRAPHS} photographs that differ, under different lights"
-        raise HarmonicFaceError(f"source: expected {expected}, got {subspace.rank} different of {len(stack)}")
-    return Enrolment(subspace, frame, "photographs")
+    pixels = np.stack([frame.take(photo, "photographs") for photo in stack])
+    if lights is None:
+        return _of_photographs(pixels, frame, model)
+    grey = stack if stack.ndim == 3 else np.stack([luminance(photo) for photo in stack])
+    registered = register(grey).photographs
+    surface = calibrated_stereo(registered, lights).surface
+    return _of_surface(surface, frame, model, LIT, registered)
+
+
+def _of_surface(
+    surface: Surface, frame: Frame | None, model: Model, source: str, photographs: Floats | None = None
+) -> Enrolment:
+    """Enrol by geometry; a template is made of photographs rather than of renderings if there are any."""
+    frame = frame or Frame(np.ones(surface.shape, np.bool_))
+    subspace = Subspace.of(frame.place(model.pictures_of(surface), surface.mask))
+    if not model.templates:
+        return Enrolment(subspace, frame, source)
+    if photographs is None:
+        return Enrolment(subspace, frame, source, rendered_template(surface, frame.mask))
+    return Enrolment(subspace, frame, source, photographed_template(list(photographs), frame.mask))
+
+
+def _of_photographs(pixels: Floats, frame: Frame, model: Model) -> Enrolment:
+    """Enrol by the span of photographs under unknown lights, (n, p)."""
+    subspace = Subspace.of(pixels, MOST_ROWS)
+    if subspace.rank < model.fewest:
+        expected = f"at least {model.fewest} photographs that differ, under different lights"
+        raise HarmonicFaceError(f"source: expected {expected}, got {subspace.rank} different of {len(pixels)}")
+    source = PHOTOGRAPH if len(pixels) == 1 else PHOTOGRAPHS
+    if not model.templates:
+        return Enrolment(subspace, frame, source)
+    return Enrolment(
+        subspace, frame, source, photographed_template([frame.picture(photo) for photo in pixels], frame.mask)
+    )
+
+
+def _photographs(source: ArrayLike, fewest: int) -> Floats:
+    """Return photographs as a stack, (n, h, w) or (n, h, w, 3)."""
+    stack: NDArray[np.floating] = _validate.floats(source, "photographs")
+    if fewest == 1 and (stack.ndim == 2 or (stack.ndim == 3 and stack.shape[2] == 3)):
+        stack = stack[None]
+    if stack.ndim not in (3, 4) or len(stack) < fewest or stack.size == 0:
+        photographs = "photographs of shape (n, h, w)" if fewest > 1 else "photograph of shape (h, w) or (n, h, w)"
+        expected = f"a Surface, or at least {fewest} {photographs}"
+        raise HarmonicFaceError(f"source: expected {expected}, got {_validate.describe(stack)}")
+    return stack

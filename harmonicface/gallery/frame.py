@@ -89,3 +89,19 @@ class Frame:
         result = np.zeros(self.shape, pixels.dtype)
         result[self.mask] = pixels
         return result
+
+    def moved(
+        self, pixels: Floats, good: NDArray[np.bool_], shift: tuple[int, int]
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return compared pixels, and which are good, of the picture moved to the right and down.
+
+        What comes in from outside the frame is not good.
+        """
+        right, down = shift
+        height, width = self.shape
+        target = np.s_[max(down, 0) : height + min(down, 0), max(right, 0) : width + min(right, 0)]
+        origin = np.s_[max(-down, 0) : height + min(-down, 0), max(-right, 0) : width + min(-right, 0)]
+        picture, known = np.zeros(self.shape, pixels.dtype), np.zeros(self.shape, np.bool_)
+        picture[target] = self.picture(pixels)[origin]
+        known[target] = self.picture(good.astype(np.float32))[origin] > 0
+        return picture[self.mask], known[self.mask]

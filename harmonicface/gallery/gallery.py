@@ -11,47 +11,66 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import storage
-from harmonicface.gallery.enrolment import MOST_ROWS, enrolment_of
+from harmonicface.gallery.enrolment import MOST_ROWS, WITH_GEOMETRY, Model, enrolment_of
 from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.match import Candidate, Match
+from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
 from harmonicface.gallery.names import checked_name
-from harmonicface.gallery.ranking import rank
+from harmonicface.gallery.portrait import Portrait
+from harmonicface.gallery.ranking import rank, shortlist
 from harmonicface.gallery.rows import StackedRows
+from harmonicface.gallery.second_look import judged, second_look
+from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.lighting.light import HarmonicLight
-from harmonicface.recognition.models import subspace_model
+from harmonicface.recognition.grid import grid
+from harmonicface.recognition.models import SUBSPACE_MODELS, harmonic9
+from harmonicface.recognition.patterns import Template
+from harmonicface.recognition.render_compare import Photograph
 from harmonicface.recognition.subspace import unit_photo
 from harmonicface.surfaces.surface import Surface
 
 FEWEST_PIXELS = 4 * MOST_ROWS  # as many pixels as rows are explained by anybody
 FARTHEST = 0.5  # beyond it a quarter of the photograph's energy is nobody's
 DEFAULT_THRESHOLD = 0.1
+DEFAULT_SCORE = 5.0
 DEFAULT_MARGIN = 4 / 3
+DEFAULT_SHORTLIST = 50
 
 
 class Gallery:
-    """People, each as the subspace of her pictures, in one frame of pixels.
+    """People, each as the subspace of her pictures and a template of her looks, in one frame of pixels.
 
     Parameters
     ----------
     model
-        What spans the pictures of a Surface: "harmonic9" (nine images, the default), "ambient4" or "linear3".
+        "default": a plain projection finds a shortlist, on which everybody's local patterns are compared with the
+        photograph's, and everybody is lit as the photograph is and compared again (`second_look`); it bears light
+        from the side with its cast shadows, shifts by up to 4 of 96 rows, noise and compression. Or a projection
+        alone, by what spans the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4",
+        "linear3".
     mask
         (h, w) booleans: the pixels that are compared. By default all pixels of the first person enrolled. Where
         photographs have a background, leave it out of the mask; outside a person's own mask her images are 0.
     threshold
-        A person at most so far from the photograph is named whatever the others are, 0 to 1. 0.1 is what the nine
-        images themselves leave over of a matte head under one lamp, the hardest light (8.8 % on a sphere).
+        Of the default model: the score from which the first candidate is named, above 0; the score says by how many
+        deviations she is more alike than strangers are. In a gallery of one or two, who have no strangers to be
+        compared with, she must also be alike by herself. Of the others: a person at most so far from the photograph
+        is named whatever the others are, 0 to 1; 0.1 is what the nine images themselves leave over of a matte head
+        under one lamp, the hardest light (8.8 % on a sphere).
     margin
-        A person farther than that, up to 0.5, is named if she is so many times nearer than the next, at least 1;
-        infinity leaves the threshold alone. Distances grow together as light gets harder, so their ratio tells the
-        known from the unknown where no single distance can. With 4/3, on Yale B up to 51 degrees, of 100 strangers
-        0.3 are named by galleries of ten people, 1.8 of five, 4.9 of three, 15 of two; of 100 enrolled people 2 to 7
-        are refused (`scripts/unknown_people.py`). Somebody enrolled under two names is named by the threshold only.
+        Of the models without patterns: a person farther than the threshold, up to 0.5, is named if she is so many
+        times nearer than the next, at least 1; infinity leaves the threshold alone. Distances grow together as light
+        gets harder, so their ratio tells the known from the unknown where no single distance can. With 4/3, on Yale B
+        up to 51 degrees, of 100 strangers 0.3 are named by galleries of ten people, 1.8 of five, 4.9 of three, 15 of
+        two; of 100 enrolled people 2 to 7 are refused (`scripts/unknown_people.py`). Somebody enrolled under two
+        names is named by the threshold only.
+    shortlist
+        Of the default model: at how many people it takes the second look, at least 2; what a look costs does not
+        depend on how many people there are beside them.
 
     Raises
     ------
     HarmonicFaceError
-        An unknown model, an empty mask, a threshold outside 0 to 1, a margin below 1.
+        An unknown model, an empty mask, a threshold outside its range, a margin below 1, a shortlist below 2.
 
     Examples
     --------
@@ -66,27 +85,35 @@ class Gallery:
 
     def __init__(
         self,
-        model: str = "harmonic9",
+        model: str = DEFAULT_MODEL,
         mask: ArrayLike | None = None,
-        threshold: float = DEFAULT_THRESHOLD,
+        threshold: float | None = None,
         margin: float = DEFAULT_MARGIN,
+        shortlist: int = DEFAULT_SHORTLIST,
     ) -> None:
-        self._pictures = subspace_model(model)
+        if model not in (DEFAULT_MODEL, *SUBSPACE_MODELS):
+            expected = f"one of {', '.join((DEFAULT_MODEL, *SUBSPACE_MODELS))}"
+            raise HarmonicFaceError(f"model: expected {expected}, got {model!r}")
         self.model = model
-        self.threshold = threshold
+        self._looks = model == DEFAULT_MODEL
+        self._model = Model(harmonic9, 1, True) if self._looks else Model(SUBSPACE_MODELS[model])
+        self.threshold = (DEFAULT_SCORE if self._looks else DEFAULT_THRESHOLD) if threshold is None else threshold
         self.margin = margin
+        self.shortlist = _validate.at_least(shortlist, 2, "shortlist")
         self._frame = None if mask is None else Frame.of(mask)
         self._rows: StackedRows | None = None
-        self._sources: dict[str, str] = {}  # from what each person was enrolled: "surface" or "photographs"
+        self._portraits: list[Portrait] = []  # of everybody, with the default model
+        self._sources: dict[str, str] = {}  # from what each person was enrolled
 
     @property
     def threshold(self) -> float:
-        """The distance up to which the nearest person is named, whatever the others are."""
+        """The score from which the first candidate is named; without patterns, the distance up to which she is."""
         return self._threshold
 
     @threshold.setter
     def threshold(self, value: float) -> None:
-        self._threshold = _validate.fraction(value, "threshold")
+        check = _validate.positive if self._looks else _validate.fraction
+        self._threshold = check(value, "threshold")
 
     @property
     def margin(self) -> float:
@@ -112,8 +139,10 @@ class Gallery:
 
     @property
     def bytes_per_person(self) -> float:
-        """Memory of a person's rows, on average."""
-        return 0.0 if self._rows is None or not len(self) else self._rows.array.nbytes / len(self)
+        """Memory of a person, on average: her rows, and of the default model her template and pictures on the grid."""
+        if self._rows is None or not len(self):
+            return 0.0
+        return (self._rows.array.nbytes + sum(portrait.nbytes for portrait in self._portraits)) / len(self)
 
     def __len__(self) -> int:
         return len(self._sources)
@@ -125,7 +154,7 @@ class Gallery:
         frame = "no frame yet" if self._frame is None else "{} x {} pixels".format(*self._frame.shape)
         return f"<Gallery of {len(self)} people, {frame}, model {self.model}>"
 
-    def enroll(self, name: str, source: Surface | ArrayLike) -> None:
+    def enroll(self, name: str, source: Surface | ArrayLike, lights: ArrayLike | None = None) -> None:
         """Add a person.
 
         Parameters
@@ -133,23 +162,31 @@ class Gallery:
         name
             1 to 200 printable characters, not yet in the gallery.
         source
-            A Surface of the gallery's shape, or (n, h, w) photographs under n >= 3 different lights, whose span (its
-            nine strongest directions) then stands for her.
+            A Surface of the gallery's shape. Or (n, h, w) photographs: with lights, n >= 3, they are registered to
+            each other and their stereo is the Surface; without, the span of the photographs (its nine strongest
+            directions) stands for her. The default model takes any number of them, and a single one, (h, w); the
+            others need three under different lights.
+        lights
+            (n, 3) directions from the person to the light of each photograph (x right, y up, z toward the camera),
+            times its strength; intensities are then from 0 to 1.
 
         Raises
         ------
         HarmonicFaceError
-            A name that is taken or does not print, another shape than the gallery's, fewer than three different
-            photographs, negative ones, NaN, nothing inside the gallery's mask.
+            A name that is taken or does not print, another shape than the gallery's, too few different photographs,
+            negative ones, NaN, nothing inside the gallery's mask, photographs that stereo cannot use; for the default
+            model fewer than 24 pixels a side.
         """
         if checked_name(name) in self._sources:
             raise HarmonicFaceError(f"name: expected one that is not in the gallery yet, got {name!r}, who is")
-        enrolled = enrolment_of(source, self._frame, self._pictures)
+        enrolled = enrolment_of(source, self._frame, self._model, lights)
         self._frame = enrolled.frame
         if self._rows is None:
             self._rows = StackedRows(np.empty((0, enrolled.frame.pixels), np.float32))
         self._rows.append(enrolled.subspace)
         self._sources[name] = enrolled.source
+        if enrolled.template is not None:
+            self._portraits.append(self._portrait(name, enrolled.template))
 
     def remove(self, name: str) -> None:
         """Take a person out.
@@ -162,6 +199,7 @@ class Gallery:
         index = self._index(name)
         self._stack.remove(index)
         del self._sources[name]
+        del self._portraits[index : index + 1]
 
     def match(self, photo: ArrayLike, top: int = 5, mask: ArrayLike | None = None) -> Match:
         """Rank the people by how well they explain a photograph under some light.
@@ -179,16 +217,39 @@ class Gallery:
         Returns
         -------
         Match
-            `.name` is None when the nearest person is farther than the threshold and the next nearly as near, or when
-            nobody explains three quarters of the photograph's energy.
+            `.name` is None for somebody unknown. With the default model: when the first score is below the threshold,
+            or when the photograph has no detail to compare: darkness, a wall, a burnt-out picture. With the others:
+            when the nearest person is farther than the threshold and the next nearly as near, or when nobody explains
+            three quarters of the photograph's energy.
 
         Raises
         ------
         HarmonicFaceError
-            An empty gallery, another shape, NaN or infinity, a photograph that is all 0 or negative, fewer than 36
-            good pixels.
+            An empty gallery, another shape, NaN or infinity, more negative than positive intensities, fewer than 36
+            good pixels; except with the default model, a photograph that is all 0.
         """
         count = _validate.at_least(top, 1, "top")
+        pixels, good = self._asked(photo, mask)
+        return self._looked(pixels, good, count) if self._looks else self._projected(pixels, good, count)
+
+    def search_scores(self, photo: ArrayLike, mask: ArrayLike | None = None) -> SearchScores:
+        """Compare a photograph with everybody, without a shortlist and without a decision; `match` explains the rest.
+
+        Raises
+        ------
+        HarmonicFaceError
+            As `match`.
+        """
+        pixels, good = self._asked(photo, mask)
+        if not self._looks:
+            ranked = rank(self._stack, unit_photo(pixels[good], int(good.sum())), good, len(self))
+            distances = np.array([distance for distance, _ in sorted(ranked, key=lambda one: one[1])])
+            return SearchScores(self.names, -distances, distances, np.zeros((len(self), 2)))
+        verdict = judged(second_look(self._photograph(pixels, good), self._portraits), self._pixels_of_grid())
+        return SearchScores(self.names, verdict.scores, verdict.distances, verdict.shifts, verdict.blocks)
+
+    def _asked(self, photo: ArrayLike, mask: ArrayLike | None) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return the compared pixels of a photograph, and which of them are good."""
         if self._frame is None or not len(self):
             raise HarmonicFaceError("match: expected a gallery with somebody in it, got an empty one")
         pixels = self._frame.take(photo, "photo")
@@ -198,17 +259,75 @@ class Gallery:
             good = _validate.mask(shared, "mask inside the gallery's mask", self._frame.shape)[self._frame.mask]
         if good.sum() < FEWEST_PIXELS:
             raise HarmonicFaceError(f"match: expected at least {FEWEST_PIXELS} good pixels, got {good.sum()}")
+        return pixels, good
+
+    def _projected(self, pixels: Floats, good: NDArray[np.bool_], count: int) -> Match:
+        """Match by plain projection."""
         ranked = rank(self._stack, unit_photo(pixels[good], int(good.sum())), good, max(count, 2))
         distance, best = ranked[0]
         margin = _ratio(ranked[1][0], distance) if len(ranked) > 1 else 1.0
-        names = self.names
+        names, known = self.names, self.is_known(distance, margin)
         return Match(
-            name=names[best] if self.is_known(distance, margin) else None,
+            name=names[best] if known else None,
             distance=distance,
             margin=margin,
-            light=self._light(best, pixels[good], good),
-            candidates=tuple(Candidate(names[index], value) for value, index in ranked[:count]),
+            light=self._light(best, pixels, good),
+            candidates=tuple(
+                Candidate(names[index], value, source=self._sources[names[index]]) for value, index in ranked[:count]
+            ),
+            domain=INTENSITIES,
+            reason=None if known else "nobody is near, or clearly nearer than the next",
         )
+
+    def _looked(self, pixels: Floats, good: NDArray[np.bool_], count: int) -> Match:
+        """Match by a second look at a shortlist."""
+        chosen = shortlist(self._stack, pixels[good].astype(np.float64), good, max(count, self.shortlist))
+        look = second_look(self._photograph(pixels, good), [self._portraits[index] for index in chosen])
+        verdict = judged(look, self._pixels_of_grid())
+        names, order = self.names, verdict.order[: max(count, 2)]
+        candidates = [
+            Candidate(
+                name=names[chosen[place]],
+                distance=float(verdict.distances[place]),
+                score=float(verdict.scores[place]),
+                shift=(float(verdict.shifts[place, 0]), float(verdict.shifts[place, 1])),
+                source=self._sources[names[chosen[place]]],
+            )
+            for place in order
+        ]
+        first = candidates[0]
+        reason = verdict.unknown(self.threshold)
+        return Match(
+            name=first.name if reason is None else None,
+            distance=first.distance,
+            margin=_ratio(candidates[1].distance, first.distance) if len(candidates) > 1 else 1.0,
+            light=self._light(int(chosen[order[0]]), pixels, good, first.shift) if pixels[good].any() else None,
+            candidates=tuple(candidates[:count]),
+            domain=PATTERNS,
+            reason=reason,
+        )
+
+    def _photograph(self, pixels: Floats, good: NDArray[np.bool_]) -> Photograph:
+        """Return a photograph for the second look."""
+        assert self._frame is not None
+        seen = self._frame.mask.copy()
+        seen[self._frame.mask] = good
+        return Photograph(self._frame.picture(pixels), seen)
+
+    def _portrait(self, name: str, template: Template) -> Portrait:
+        """Return a portrait that takes its pictures from the rows of whom it shows, wherever they have moved to."""
+        frame = self._frame
+        assert frame is not None
+
+        def pictures() -> Floats:
+            return np.stack([frame.picture(row) for row in self._stack.subspace(self._index(name)).rows])
+
+        return Portrait(template, pictures, frame.mask)
+
+    def _pixels_of_grid(self) -> float:
+        """Return how many pixels of a photograph a pixel of the grid is wide."""
+        assert self._frame is not None
+        return self._frame.shape[0] / grid(self._frame.shape)[0]
 
     def is_known(self, distance: float, margin: float) -> bool:
         """Say whether the nearest person is named: surely near, or clearly nearer than the next."""
@@ -239,7 +358,13 @@ class Gallery:
         storage.write(
             path,
             storage.Contents(
-                self.model, self.threshold, self.margin, self._frame.mask, self._stack, dict(self._sources)
+                self.model,
+                self.threshold,
+                self.margin,
+                self._frame.mask,
+                self._stack,
+                dict(self._sources),
+                [portrait.template for portrait in self._portraits],
             ),
         )
 
@@ -256,16 +381,22 @@ class Gallery:
         gallery = cls(contents.model, contents.mask, contents.threshold, contents.margin)
         gallery._rows = contents.rows
         gallery._sources = dict(contents.sources)
+        gallery._portraits = [gallery._portrait(*one) for one in zip(gallery.names, contents.templates, strict=False)]
         return gallery
 
-    def _light(self, index: int, pixels: Floats, good: NDArray[np.bool_]) -> HarmonicLight | None:
-        """Return the light of a photograph, if this person was enrolled with geometry."""
-        if self._sources[self.names[index]] != "surface":
+    def _light(
+        self, index: int, pixels: Floats, good: NDArray[np.bool_], shift: tuple[float, float] = (0.0, 0.0)
+    ) -> HarmonicLight | None:
+        """Return the light of a photograph, if this person was enrolled with geometry, where she was found."""
+        if self._sources[self.names[index]] not in WITH_GEOMETRY:
             return None
+        assert self._frame is not None
+        if any(shift):
+            pixels, good = self._frame.moved(pixels, good, (-round(shift[0]), -round(shift[1])))
         subspace = self._stack.subspace(index)
         if not good.all():
             subspace = subspace.restrict(good)
-        coefficients = subspace.coefficients(pixels)
+        coefficients = subspace.coefficients(pixels[good])
         if self.model == "linear3":  # it has no picture for ambient light
             coefficients = np.concatenate([[0.0], coefficients])
         return HarmonicLight(coefficients)

@@ -4,15 +4,38 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from harmonicface.lighting.light import HarmonicLight
+
+INTENSITIES, PATTERNS = "intensities", "patterns"  # what is compared
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A person and how far the photograph is from her pictures."""
+    """A person and how far the photograph is from her pictures.
+
+    Parameters
+    ----------
+    name
+        Who she is.
+    distance
+        0 to 1, in the match's domain.
+    score
+        What the default model ranks by: by how many deviations the photograph is more like her than like strangers.
+        None for a model that ranks by distance, and for who did not come into the shortlist.
+    shift
+        Pixels of the photograph to the right and down by which it shows her displaced.
+    source
+        What she was enrolled from: "surface", "lit photographs", "photographs" (of unknown lights), "photograph".
+    """
 
     name: str
     distance: float
+    score: float | None = None
+    shift: tuple[float, float] = (0.0, 0.0)
+    source: str = ""
 
 
 @dataclass(frozen=True)
@@ -22,19 +45,23 @@ class Match:
     Parameters
     ----------
     name
-        The nearest person, or None for somebody unknown: when she is farther than the gallery's threshold and the
-        next person is nearly as near (see `Gallery`).
+        The first candidate, or None for somebody unknown (see `Gallery`).
     distance
-        Of the nearest person: the sine of the angle between the photograph and her subspace, 0 to 1, on linear
-        intensities over the gallery's pixels. Its square is the share of the photograph's energy that she does not
-        explain.
+        Of the first candidate, 0 to 1. In the domain "intensities": the sine of the angle between the photograph and
+        her subspace, on linear intensities over the gallery's pixels; its square is the share of the photograph's
+        energy that she does not explain. In the domain "patterns": 1 minus the mean correlation of 12 x 12 blocks of
+        local patterns, of the photograph and of her picture under its light; strangers are at about 0.8.
     margin
-        Distance of the second nearest person over that of the nearest, at least 1; 1 in a gallery of one.
+        Distance of the second candidate over that of the first; 1 in a gallery of one.
     light
-        The light that explains the photograph as one of the nearest person; None when she was enrolled from
-        photographs, whose lights are unknown.
+        The light that explains the photograph as one of the first candidate; None when she was enrolled from
+        photographs whose lights are unknown, and for a photograph without light.
     candidates
-        The nearest people, nearest first.
+        The first people, best first.
+    domain
+        What is compared: "intensities", or "patterns" (the default model).
+    reason
+        Why nobody is named; None if somebody is.
     """
 
     name: str | None
@@ -42,3 +69,35 @@ class Match:
     margin: float
     light: HarmonicLight | None
     candidates: tuple[Candidate, ...]
+    domain: str = INTENSITIES
+    reason: str | None = None
+
+    @property
+    def source(self) -> str:
+        """What the first candidate was enrolled from."""
+        return self.candidates[0].source
+
+
+@dataclass(frozen=True, eq=False)
+class SearchScores:
+    """What a search of the whole gallery finds, before anything is decided.
+
+    Parameters
+    ----------
+    names
+        Everybody, in the order of enrolment.
+    scores
+        (n,) larger is more alike: for the default model deviations above strangers, for the others minus the distance.
+    distances
+        (n,) 0 to 1, as in `Match`.
+    shifts
+        (n, 2) pixels of the photograph to the right and down by which it shows each person displaced.
+    blocks
+        Of how many 12 x 12 blocks the photograph has a pattern; None for the other models.
+    """
+
+    names: tuple[str, ...]
+    scores: NDArray[np.float64]
+    distances: NDArray[np.float64]
+    shifts: NDArray[np.float64]
+    blocks: int | None = None

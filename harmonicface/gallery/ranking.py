@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.gallery.rows import StackedRows
+from harmonicface.recognition.subspace import unit_photo
 
 # Closeness |Q y|^2 is summed in float32; whoever is within this of the last place is examined too.
 ROUNDING = 1e-5
@@ -34,6 +35,27 @@ def rank(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_], 
     candidates = np.flatnonzero(closeness >= last - (ROUNDING if whole else MASKED_ROUNDING))
     exact = [(_distance(rows, int(index), unit, good), int(index)) for index in candidates]
     return sorted(exact)[:top]
+
+
+def shortlist(rows: StackedRows, pixels: NDArray[np.float64], good: NDArray[np.bool_], count: int) -> NDArray[np.intp]:
+    """Return the `count` people nearest to a photograph, in the order of enrolment; the first ones if it is dark.
+
+    Parameters
+    ----------
+    rows
+        Everybody's orthonormal rows over p pixels.
+    pixels
+        The good pixels of a photograph.
+    good
+        (p,) booleans: which pixels these are.
+    count
+        How many, at least 1.
+    """
+    if count >= len(rows) or not pixels.any():
+        return np.arange(min(count, len(rows)))
+    unit = unit_photo(pixels, len(pixels))
+    closeness = rows.closeness(unit) if good.all() else _masked_closeness(rows, unit, good)
+    return np.sort(np.argpartition(closeness, -count)[-count:])
 
 
 def _masked_closeness(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_]) -> NDArray[np.float64]:

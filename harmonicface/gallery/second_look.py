@@ -18,40 +18,68 @@ from harmonicface.recognition.render_compare import Photograph
 USUAL_BLOCKS = 56
 USUAL_PATTERNS = 0.013
 USUAL_RENDERED = 0.021
+USUAL_CLOSENESS = 0.12
+NEAREST = 1e-3  # of distances, which rounding does not let be 0
+AT_REST = (0, 0)
+FEWEST_BLOCKS = 4  # with detail in them: fewer tell nothing
+LEAST_LIKENESS = 0.4  # to the template, of who is named in a gallery of one; strangers reach 0.25 on real photographs
 
 
 @dataclass(frozen=True, eq=False)
 class SecondLook:
-    """How much a photograph resembles each of n people.
+    """How much a photograph resembles each of n people, in up to four measures, larger for more alike.
 
     Parameters
     ----------
-    scores
-        (n,) deviations above strangers, larger is more alike.
-    likenesses
-        (n,) mean correlation of blocks of local patterns, of the photograph and of the person lit as it is.
+    patterns
+        (n,) mean correlation of blocks of local patterns with each person's template.
+    surprises
+        (n,) log F of the regression of the photograph's detail on each person's pictures, in its own deviations.
+    rendered
+        (n,) mean correlation of blocks of local patterns with each person lit as the photograph is.
+    closeness
+        (n,) minus the logarithm of the distance between the photograph and the span of each person's pictures.
+        These three are None where everybody is one photograph, which has no light to change.
     shifts
         (n, 2) pixels of the grid to the right and down by which the photograph shows her displaced.
     blocks
         Of how many blocks the photograph has a pattern.
     """
 
-    scores: NDArray[np.float64]
-    likenesses: NDArray[np.float64]
+    patterns: NDArray[np.float64]
+    surprises: NDArray[np.float64] | None
+    rendered: NDArray[np.float64] | None
+    closeness: NDArray[np.float64] | None
     shifts: NDArray[np.int64]
     blocks: int
 
+    @property
+    def likenesses(self) -> NDArray[np.float64]:
+        """The likeness that a distance is made of, (n,): of the person lit as the photograph is, if there is one."""
+        return self.patterns if self.rendered is None else self.rendered
+
+    @property
+    def scores(self) -> NDArray[np.float64]:
+        """How many deviations more alike than strangers each person is, (n,): the measures, standardized and fused."""
+        scale = np.sqrt(USUAL_BLOCKS / max(self.blocks, 1))
+        measures = [standardized(self.patterns, USUAL_PATTERNS * scale)]
+        if self.surprises is not None and self.rendered is not None and self.closeness is not None:
+            measures.append(standardized(self.surprises, 1.0))
+            measures.append(standardized(self.rendered, USUAL_RENDERED * scale))
+            measures.append(standardized(self.closeness, USUAL_CLOSENESS))
+        return fused(measures)
+
 
 def second_look(photo: Photograph, people: Sequence[Portrait]) -> SecondLook:
-    """Compare a photograph with people in three ways and fuse them.
+    """Compare a photograph with people in four ways.
 
     1. Its local patterns with each person's template, at all small shifts.
-    2. Her pictures are combined to explain its detail, where they are and where (1) found her. The logarithm of the F
-       statistic of this regression says how much better than a stranger's they do.
+    2. Her pictures are combined to explain its detail, at rest and where (1) found her. The logarithm of the F
+       statistic of this regression says how much better than by chance they do.
     3. The combination is a picture of her in the photograph's light: its local patterns with the photograph's.
+    4. The plain projection of the photograph onto her pictures, which sees the coarse shape that detail leaves out.
 
-    Each measure is standardized by the others in the list, and the three are added (Stouffer). A gallery in which
-    everybody is one photograph has no light to change: there (1) is all.
+    In a gallery in which everybody is one photograph, there is no light to change: there (1) is all.
 
     Parameters
     ----------
@@ -61,15 +89,57 @@ def second_look(photo: Photograph, people: Sequence[Portrait]) -> SecondLook:
         At least one, all on the photograph's grid.
     """
     seen = similarity(photo.patterns, [person.template for person in people])
-    scale = np.sqrt(USUAL_BLOCKS / max(seen.blocks, 1))
-    by_patterns = standardized(seen.scores, USUAL_PATTERNS * scale)
+    likenesses = seen.scores.astype(np.float64)
     if all(len(person.pictures.light) == 1 for person in people):
-        return SecondLook(by_patterns, seen.scores.astype(np.float64), seen.shifts, seen.blocks)
-    places = [(0, 0), *((int(right), int(down)) for right, down in seen.shifts)]
-    fits = [
-        photo.explained(person.pictures, (places[0], place)) for person, place in zip(people, places[1:], strict=True)
-    ]
-    likenesses = photo.likeness([fit.picture for fit in fits]).astype(np.float64)
-    by_fit = standardized(np.array([fit.surprise for fit in fits]), 1.0)
-    scores = fused([by_patterns, by_fit, standardized(likenesses, USUAL_RENDERED * scale)])
-    return SecondLook(scores, likenesses, np.array([fit.shift for fit in fits]), seen.blocks)
+        return SecondLook(likenesses, None, None, None, seen.shifts, seen.blocks)
+    places = [(int(right), int(down)) for right, down in seen.shifts]
+    fits = [photo.explained(person.pictures, (AT_REST, place)) for person, place in zip(people, places, strict=True)]
+    surprises = np.array([fit.surprise for fit in fits])
+    rendered = photo.likeness([fit.picture for fit in fits]).astype(np.float64)
+    closeness = -np.log(np.maximum([fit.distance for fit in fits], NEAREST))
+    return SecondLook(likenesses, surprises, rendered, closeness, np.array([fit.shift for fit in fits]), seen.blocks)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """A second look in the photograph's own pixels, and what may be decided on it; made by `judged`.
+
+    Parameters
+    ----------
+    scores, patterns, distances
+        (n,) deviations above strangers; likeness to the template; 1 minus the likeness, 0 to 1.
+    shifts
+        (n, 2) pixels of the photograph to the right and down.
+    order
+        (n,) the places of the people, best first; ties keep their order.
+    blocks
+        Of how many blocks the photograph has a pattern.
+    """
+
+    scores: NDArray[np.float64]
+    patterns: NDArray[np.float64]
+    distances: NDArray[np.float64]
+    shifts: NDArray[np.float64]
+    order: NDArray[np.intp]
+    blocks: int
+
+    def unknown(self, threshold: float) -> str | None:
+        """Return why the first is not named, or None if she is."""
+        if self.blocks < FEWEST_BLOCKS:
+            return "the photograph has no detail to compare"
+        first = self.order[0]
+        if len(self.scores) == 1 and self.patterns[first] < LEAST_LIKENESS:
+            return "she is not alike, and there are no others to know what strangers are like"
+        if len(self.scores) > 1 and self.scores[first] < threshold:
+            return "nobody is more alike than strangers are"
+        return None
+
+
+def judged(look: SecondLook, pixels_of_grid: float) -> Verdict:
+    """Put people in order, and shifts into pixels of the photograph."""
+    scores = look.scores
+    distances = np.clip(1 - look.likenesses, 0.0, 1.0)
+    order = np.argsort(-scores, kind="stable")
+    return Verdict(
+        scores, look.patterns, distances, (look.shifts * pixels_of_grid).astype(np.float64), order, look.blocks
+    )

@@ -14,6 +14,7 @@ from harmonicface.io.colour import luminance
 from harmonicface.io.images import read_image
 from harmonicface.io.meshes import ENDINGS
 from harmonicface.io.point_clouds import is_point_cloud
+from harmonicface.recognition.detection import FaceBox, crop_face, detect_faces
 from harmonicface.surfaces.load import load_surface
 from harmonicface.surfaces.surface import Surface
 
@@ -48,27 +49,67 @@ def read_surface(path: Path, view: MeshView, usual_size: int) -> Surface:
 
 
 def read_source(
-    paths: Sequence[Path], view: MeshView, transfer: str | None, usual_size: int
+    paths: Sequence[Path],
+    view: MeshView,
+    transfer: str | None,
+    usual_size: int,
+    cropped: tuple[int, int] | None = None,
 ) -> Surface | NDArray[np.float32]:
     """Read what a person is enrolled from.
+
+    Parameters
+    ----------
+    paths
+        A mesh, points, a saved Surface, or photographs.
+    view
+        How a mesh or points are looked at.
+    transfer
+        What the numbers of photographs mean, see `read_image`.
+    usual_size
+        Height and width of what is seen of a mesh, if the view says nothing.
+    cropped
+        Height and width in pixels of faces that are first found in the photographs; None for photographs as they are.
 
     Raises
     ------
     HarmonicFaceError
-        A file that cannot be read, photographs of unlike sizes, a view of photographs, a transfer of a mesh.
+        A file that cannot be read, photographs of unlike sizes, a view of photographs, a transfer of a mesh, a face to
+        be found in a mesh or where there is none.
     """
     if len(paths) == 1 and _is_surface(paths[0]):
         if transfer is not None:
             raise HarmonicFaceError("transfer: expected it with photographs only, got a mesh, points or Surface")
+        if cropped is not None:
+            raise HarmonicFaceError("detect: expected it with photographs only, got a mesh, points or Surface")
         return read_surface(paths[0], view, usual_size)
     if view != MeshView():
         raise HarmonicFaceError("enroll: expected the options of a view with one mesh only, got photographs")
+    if cropped is not None:
+        return np.stack([_grey(read_face(path, transfer, cropped)[0]) for path in paths])
     photos = [read_image(path, transfer) for path in paths]
     for path, photo in zip(paths, photos, strict=True):
         if photo.shape != photos[0].shape:
             expected = f"the size of {paths[0]}, {photos[0].shape[:2]}"
             raise HarmonicFaceError(f"{path}: expected {expected}, got {photo.shape[:2]}")
     return np.stack(photos)
+
+
+def read_face(path: Path, transfer: str | None, size: tuple[int, int]) -> tuple[NDArray[np.float32], FaceBox]:
+    """Return the clearest face of a photograph, cropped to a size, and where it is.
+
+    Raises
+    ------
+    HarmonicFaceError
+        A file that cannot be read, or no face in it.
+    """
+    photo = read_image(path, transfer)
+    try:
+        boxes = detect_faces(photo)
+    except HarmonicFaceError as error:
+        raise HarmonicFaceError(f"{path}: {error}") from None
+    if not boxes:
+        raise HarmonicFaceError(f"{path}: expected a face that looks at the camera, found none")
+    return crop_face(photo, boxes[0], size), boxes[0]
 
 
 def _is_surface(path: Path) -> bool:
@@ -84,5 +125,8 @@ def _is_surface(path: Path) -> bool:
 
 def read_mask(path: Path) -> NDArray[np.bool_]:
     """Read a mask: true where the picture is lighter than half of white."""
-    picture = read_image(path, "linear")
-    return np.asarray((picture if picture.ndim == 2 else luminance(picture)) > 0.5)
+    return np.asarray(_grey(read_image(path, "linear")) > 0.5)
+
+
+def _grey(picture: NDArray[np.float32]) -> NDArray[np.float32]:
+    return picture if picture.ndim == 2 else np.asarray(luminance(picture), np.float32)

@@ -11,19 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.enrolment import SOURCES
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.rows import StackedRows
+from harmonicface.recognition.grid import grid
 from harmonicface.recognition.models import SUBSPACE_MODELS
+from harmonicface.recognition.patterns import SCALES, Template
 from harmonicface.store.archive import read_arrays, write_arrays
 
 FORMAT = "harmonicface gallery"
-VERSION = 1
-SOURCES = ("surface", "photographs")
+VERSIONS = ("1", "2")  # the first knew neither templates nor the default model
+DEFAULT_MODEL = "default"
 
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What a gallery file holds."""
+    """What a gallery file holds; templates only for the default model."""
 
     model: str
     threshold: float
@@ -31,6 +34,7 @@ class Contents:
     mask: NDArray[np.bool_]
     rows: StackedRows
     sources: dict[str, str]
+    templates: list[Template]
 
 
 def write(path: str | os.PathLike[str], contents: Contents) -> None:
@@ -42,13 +46,15 @@ def write(path: str | os.PathLike[str], contents: Contents) -> None:
         "to_coefficients": np.concatenate([matrix.ravel() for matrix in matrices]),
         "shapes": np.array([matrix.shape for matrix in matrices], np.int64),
     }
+    if contents.templates:
+        arrays["templates"] = np.stack([template.values for template in contents.templates])
     about = {
         "model": contents.model,
         "threshold": contents.threshold,
         "margin": contents.margin,
         "people": list(contents.sources.items()),
     }
-    write_arrays(path, arrays, {"format": FORMAT, "version": str(VERSION), "about": json.dumps(about)})
+    write_arrays(path, arrays, {"format": FORMAT, "version": VERSIONS[-1], "about": json.dumps(about)})
 
 
 def read(path: str | os.PathLike[str]) -> Contents:
@@ -62,9 +68,9 @@ def read(path: str | os.PathLike[str]) -> Contents:
     arrays, header = read_arrays(path)
     if header.get("format") != FORMAT:
         raise HarmonicFaceError(f"{path}: expected a {FORMAT}, got a file of {header.get('format', 'another kind')!r}")
-    if header.get("version") != str(VERSION):
+    if header.get("version") not in VERSIONS:
         got = header.get("version")
-        raise HarmonicFaceError(f"{path}: expected version {VERSION} of the gallery format, got version {got}")
+        raise HarmonicFaceError(f"{path}: expected version {' or '.join(VERSIONS)} of the gallery format, got {got}")
     try:
         return _contents(arrays, json.loads(header["about"]))
     except (KeyError, TypeError, ValueError, IndexError, RecursionError):
@@ -86,8 +92,9 @@ def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Content
         and len(sources) == len(about["people"]) == len(shapes)
         and all(checked_name(name) for name in sources)
         and set(sources.values()) <= set(SOURCES)
-        and about["model"] in SUBSPACE_MODELS
-        and 0 <= about["threshold"] <= 1
+        and about["model"] in (DEFAULT_MODEL, *SUBSPACE_MODELS)
+        and 0 <= about["threshold"] < np.inf
+        and (about["model"] == DEFAULT_MODEL or about["threshold"] <= 1)
         and about["margin"] >= 1
         and bool(np.isfinite(arrays["to_coefficients"]).all())
         and bool(np.abs(np.einsum("np,np->n", rows, rows) - 1).max() < 1e-3)  # NaN fails too
@@ -95,4 +102,16 @@ def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Content
     if not agrees:
         raise ValueError("the parts of the gallery contradict each other")
     people = [matrix.reshape(shape) for matrix, shape in zip(matrices, shapes, strict=True)]
-    return Contents(about["model"], about["threshold"], about["margin"], mask, StackedRows(rows, people), sources)
+    templates = _templates(arrays, mask.shape, len(people)) if about["model"] == DEFAULT_MODEL else []
+    stacked = StackedRows(rows, people)
+    return Contents(about["model"], about["threshold"], about["margin"], mask, stacked, sources, templates)
+
+
+def _templates(arrays: dict[str, NDArray[Any]], shape: tuple[int, ...], count: int) -> list[Template]:
+    """Return everybody's template; ValueError if they cannot be."""
+    values = arrays["templates"]
+    if values.dtype != np.float16 or values.shape != (count, *grid((shape[0], shape[1]))):
+        raise ValueError("the templates do not fit the gallery")
+    if not (np.abs(values) <= len(SCALES)).all():  # NaN fails too
+        raise ValueError("the templates hold what patterns cannot be")
+    return [Template(one) for one in values]

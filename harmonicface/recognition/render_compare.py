@@ -14,6 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.blocks import REACH, correlations, unit_blocks
 from harmonicface.recognition.grid import NEIGHBOURHOOD, OnGrid, Picture, blurred, filled, grid, on_grid, resized
 from harmonicface.recognition.patterns import FAINT, Pattern, patterns_on_grid
+from harmonicface.recognition.subspace import Subspace
 
 NARROW, WIDE = 0.7, 1.4  # standard deviations in pixels: detail that shading does not have, and that noise leaves
 EDGE = 0.9  # of a pixel's surroundings must be seen
@@ -28,7 +29,7 @@ class Pictures:
     Parameters
     ----------
     light
-        (k, h, w) float32.
+        (k, h, w) float32, orthonormal.
     detail
         (k, h w) float32: what of them lies between two Gaussians.
     """
@@ -50,7 +51,7 @@ class Pictures:
         Raises
         ------
         HarmonicFaceError
-            Another shape, NaN, too few pixels.
+            Another shape, NaN, too few pixels, pictures that are all 0.
 
         Examples
         --------
@@ -66,6 +67,7 @@ class Pictures:
         if mask is not None and not mask.all():
             cover = resized(mask.astype(np.float32), size)
             light = np.stack([filled(resized(image * mask, size), cover) for image in stack])
+        light = Subspace.of(light.reshape(len(light), -1)).rows.reshape(-1, *size)
         return cls(light, np.stack([_detail(image).ravel() for image in light]))
 
     @property
@@ -86,6 +88,8 @@ class Explanation:
         The logarithm of the F statistic of that regression in its own deviations, up to a constant: with k pictures,
         a stranger explains by chance a share like a chi square of k degrees, whose logarithm has the deviation
         sqrt(psi'(k / 2)) whatever the noise and however many pixels count.
+    distance
+        The sine of the angle between the photograph itself and the span of her pictures there, 0 to 1.
     picture
         (h, w) her picture under the light that explains the photograph's detail best, at the place of the photograph.
     shift
@@ -94,6 +98,7 @@ class Explanation:
 
     share: float
     surprise: float
+    distance: float
     picture: Picture
     shift: tuple[int, int]
 
@@ -128,6 +133,7 @@ class Photograph:
         if self._picture.seen is not None:
             weights *= blurred(self._picture.seen.astype(np.float32), WIDE) > EDGE
         self._detail, self._weights = _bordered(detail), _bordered(weights)
+        self._light = _widened(self._picture.light)
         self._moved: dict[tuple[int, int], tuple[Picture, Picture, float]] = {}
 
     def explained(self, pictures: Pictures, shifts: tuple[tuple[int, int], ...] = ((0, 0),)) -> Explanation:
@@ -157,7 +163,8 @@ class Photograph:
         fits = [(*self._fit(pictures, shift), shift) for shift in dict.fromkeys(shifts)]
         share, coefficients, shift = max(fits, key=lambda fit: fit[0])
         shown = (coefficients @ pictures.light.reshape(len(coefficients), -1)).reshape(pictures.light.shape[1:])
-        return Explanation(share, _surprise(share, len(coefficients)), _placed(shown, shift), shift)
+        distance = self._distance(pictures, shift)
+        return Explanation(share, _surprise(share, len(coefficients)), distance, _placed(shown, shift), shift)
 
     def likeness(self, shown: list[Picture]) -> NDArray[np.float32]:
         """Return how much pictures at the photograph's place resemble it: (n,) similarities of local patterns."""
@@ -174,6 +181,22 @@ class Photograph:
         normal = ((pictures.detail * weights) @ pictures.detail.T).astype(np.float64)
         coefficients = np.linalg.pinv(normal, rcond=RANK, hermitian=True) @ moments
         return min(float(coefficients @ moments) / energy, 1.0), coefficients.astype(np.float32)
+
+    def _distance(self, pictures: Pictures, shift: tuple[int, int]) -> float:
+        """Return the sine of the angle between the photograph and the span of the pictures at a shift."""
+        right, down = shift
+        height, width = self.patterns.shape[1:]
+        light = self._light[REACH + down : REACH + down + height, REACH + right : REACH + right + width].ravel()
+        rows = pictures.light.reshape(len(pictures.light), -1)
+        if self._picture.seen is not None:
+            seen = self._at(shift)[0] > 0  # the mask is also that of the detail
+            light, rows = light[seen], rows[:, seen]
+        length = float(np.linalg.norm(light))
+        if length == 0 or not rows.any():
+            return 1.0
+        if self._picture.seen is not None:
+            rows = Subspace.of(rows).rows
+        return float(np.sqrt(max(0.0, 1 - float(np.square(rows @ (light / length)).sum()))))
 
     def _at(self, shift: tuple[int, int]) -> tuple[Picture, Picture, float]:
         """Return weights, weighted detail and its energy as seen from a person who is displaced."""
@@ -204,9 +227,14 @@ def _bordered(picture: Picture) -> Picture:
     return np.asarray(cv2.copyMakeBorder(picture, REACH, REACH, REACH, REACH, cv2.BORDER_CONSTANT, value=0))
 
 
+def _widened(picture: Picture) -> Picture:
+    """Return a picture with room for shifts, its border repeated."""
+    return np.asarray(cv2.copyMakeBorder(picture, REACH, REACH, REACH, REACH, cv2.BORDER_REPLICATE))
+
+
 def _placed(picture: Picture, shift: tuple[int, int]) -> Picture:
     """Return a picture moved to the right and down; its border is repeated."""
     right, down = shift
     height, width = picture.shape
-    larger = cv2.copyMakeBorder(picture, REACH, REACH, REACH, REACH, cv2.BORDER_REPLICATE)
+    larger = _widened(picture)
     return np.ascontiguousarray(larger[REACH - down : REACH - down + height, REACH - right : REACH - right + width])

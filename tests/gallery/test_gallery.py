@@ -42,7 +42,7 @@ def brute_distance(photo: np.ndarray, basis: np.ndarray, good: np.ndarray) -> fl
 
 
 def gallery_of(people: dict[str, hf.Surface], **settings: object) -> hf.Gallery:
-    gallery = hf.Gallery(**settings)  # type: ignore[arg-type]
+    gallery = hf.Gallery(**{"model": "harmonic9", **settings})  # type: ignore[arg-type]
     for name, surface in people.items():
         gallery.enroll(name, surface)
     return gallery
@@ -200,7 +200,7 @@ def test_people_enrolled_from_photographs() -> None:
 
 def test_three_photographs_or_coloured_ones_will_do() -> None:
     stack = np.stack([photographed(PEOPLE["ada"], seed, lamps=1) for seed in range(3)])
-    grey, coloured = hf.Gallery(), hf.Gallery()
+    grey, coloured = hf.Gallery("harmonic9"), hf.Gallery("harmonic9")
     grey.enroll("ada", stack)
     coloured.enroll("ada", np.repeat(stack[..., None], 3, axis=3))
     photo = stack.sum(axis=0)
@@ -268,7 +268,7 @@ def wall() -> hf.Surface:
 
 def test_what_a_gallery_says_of_itself(gallery: hf.Gallery) -> None:
     assert repr(gallery) == "<Gallery of 8 people, 24 x 24 pixels, model harmonic9>"
-    assert repr(hf.Gallery()) == "<Gallery of 0 people, no frame yet, model harmonic9>"
+    assert repr(hf.Gallery()) == "<Gallery of 0 people, no frame yet, model default>"
     assert (hf.Gallery().mask, hf.Gallery().bytes_per_person) == (None, 0.0)
     assert gallery.names == NAMES
     assert "ada" in gallery
@@ -349,7 +349,7 @@ def test_people_who_cannot_be_enrolled_leave_the_gallery_as_it_was(name: str, so
 
 
 def test_a_first_person_who_cannot_be_enrolled_leaves_no_frame() -> None:
-    gallery = hf.Gallery()
+    gallery = hf.Gallery("harmonic9")
     with pytest.raises(hf.HarmonicFaceError, match="images: expected a picture with something in it"):
         gallery.enroll("shade", hf.Surface(PEOPLE["ada"].normals, np.zeros((SIZE, SIZE)), PEOPLE["ada"].mask))
     assert (gallery.mask, len(gallery)) == (None, 0)
@@ -360,7 +360,7 @@ def test_a_first_person_who_cannot_be_enrolled_leaves_no_frame() -> None:
 def test_a_person_beside_the_gallerys_mask() -> None:
     outside = ~PEOPLE["ada"].mask
     assert outside.any()
-    gallery = hf.Gallery(mask=outside)
+    gallery = hf.Gallery("harmonic9", mask=outside)
     with pytest.raises(hf.HarmonicFaceError, match="surface: expected some of its pixels inside the gallery's mask"):
         gallery.enroll("ada", PEOPLE["ada"])
 
@@ -378,9 +378,12 @@ def test_unknown_names(gallery: hf.Gallery) -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"model": "magic"}, "model: expected one of linear3, ambient4, harmonic9, harmonic_shadowed, got 'magic'"),
-        ({"threshold": -0.1}, "threshold: expected a number from 0 to 1, got -0.1"),
-        ({"threshold": "high"}, "threshold: expected a number from 0 to 1, got str 'high'"),
+        ({"model": "magic"}, "model: expected one of default, linear3, ambient4, harmonic9, harmonic_shadowed, got 'magic'"),
+        ({"model": "harmonic9", "threshold": -0.1}, "threshold: expected a number from 0 to 1, got -0.1"),
+        ({"model": "harmonic9", "threshold": "high"}, "threshold: expected a number from 0 to 1, got str 'high'"),
+        ({"threshold": 0}, "threshold: expected a finite number above 0, got 0"),
+        ({"threshold": np.inf}, "threshold: expected a finite number above 0, got inf"),
+        ({"shortlist": 1}, "shortlist: expected an integer of at least 2, got int 1"),
         ({"margin": 0.9}, "margin: expected a number of at least 1, got 0.9"),
         ({"margin": np.nan}, "margin: expected a finite number above 0, got nan"),
         ({"margin": "wide"}, "margin: expected a number above 0, got str 'wide'"),
@@ -395,7 +398,7 @@ def test_settings_that_no_gallery_has(settings: dict, message: str) -> None:
 
 
 def test_a_refused_setting_leaves_the_old_one() -> None:
-    gallery = hf.Gallery(threshold=0.3, margin=1.5)
+    gallery = hf.Gallery("harmonic9", threshold=0.3, margin=1.5)
     with pytest.raises(hf.HarmonicFaceError, match="threshold"):
         gallery.threshold = 2
     with pytest.raises(hf.HarmonicFaceError, match="margin"):
@@ -422,9 +425,10 @@ def test_nobody_is_named_who_leaves_a_quarter_of_the_energy_over() -> None:
     assert not gallery.is_known(0.51, 10.0)
 
 
-def test_strangers_are_unknown_and_enrolled_people_are_not() -> None:
+@pytest.mark.parametrize("model", ["default", "harmonic9"])
+def test_strangers_are_unknown_and_enrolled_people_are_not(model: str) -> None:
     people = [*hf.synthetic_people(40, 48, seed=77)]
-    gallery = hf.Gallery()
+    gallery = hf.Gallery(model)
     for index, person in enumerate(people[:20]):
         gallery.enroll(str(index), person)
     rng = np.random.default_rng(5)
@@ -438,7 +442,7 @@ def test_strangers_are_unknown_and_enrolled_people_are_not() -> None:
 def test_photographs_must_differ_and_hold_light() -> None:
     photo = GOOD
     with pytest.raises(hf.HarmonicFaceError, match=r"at least 3 photographs that differ, .* got 1 different of 4"):
-        hf.Gallery().enroll("ada", np.stack([photo] * 4))
+        hf.Gallery("harmonic9").enroll("ada", np.stack([photo] * 4))
     with pytest.raises(hf.HarmonicFaceError, match="intensities of at least 0"):
         gallery_of(PEOPLE).match(-photo)
     with pytest.raises(hf.HarmonicFaceError, match="at most 1e"):

@@ -27,7 +27,7 @@ def surface(seed: int) -> hf.Surface:
 def small_gallery() -> hf.Gallery:
     mask = np.ones(SHAPE, np.bool_)
     mask[0] = False
-    gallery = hf.Gallery(mask=mask, threshold=0.25, margin=1.5)
+    gallery = hf.Gallery("harmonic9", mask=mask, threshold=0.25, margin=1.5)
     for seed, name in enumerate(["ada", 'emmy "E" n\u00f6ther', "\u2603"]):
         gallery.enroll(name, surface(seed))
     gallery.enroll("wall", hf.Surface(np.tile([0.0, 0.0, 1.0], (*SHAPE, 1)), np.ones(SHAPE)))
@@ -152,8 +152,8 @@ def changed(path: Path, change: Callable[[dict, dict, dict], None]) -> str:
     [
         ("format", "harmonicface atlas", "expected a harmonicface gallery, got a file of 'harmonicface atlas'"),
         ("format", None, "expected a harmonicface gallery, got a file of 'another kind'"),
-        ("version", "2", "expected version 1 of the gallery format, got version 2"),
-        ("version", None, "expected version 1 of the gallery format, got version None"),
+        ("version", "3", "expected version 1 or 2 of the gallery format, got 3"),
+        ("version", None, "expected version 1 or 2 of the gallery format, got None"),
         ("about", None, "expected a gallery that agrees with itself"),
         ("about", "[", "expected a gallery that agrees with itself"),
     ],
