@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,7 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import storage
+from harmonicface.gallery.calibration import Calibration, calibration
 from harmonicface.gallery.enrolment import MOST_ROWS, WITH_GEOMETRY, Model, enrolment_of
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
@@ -31,7 +33,7 @@ from harmonicface.surfaces.surface import Surface
 FEWEST_PIXELS = 4 * MOST_ROWS  # as many pixels as rows are explained by anybody
 FARTHEST = 0.5  # beyond it a quarter of the photograph's energy is nobody's
 DEFAULT_THRESHOLD = 0.1
-DEFAULT_SCORE = 5.0
+DEFAULT_SCORE = 6.0
 DEFAULT_MARGIN = 4 / 3
 DEFAULT_SHORTLIST = 50
 
@@ -232,21 +234,111 @@ class Gallery:
         pixels, good = self._asked(photo, mask)
         return self._looked(pixels, good, count) if self._looks else self._projected(pixels, good, count)
 
-    def search_scores(self, photo: ArrayLike, mask: ArrayLike | None = None) -> SearchScores:
+    def search_scores(
+        self, photo: ArrayLike, mask: ArrayLike | None = None, among: Sequence[str] | None = None
+    ) -> SearchScores:
         """Compare a photograph with everybody, without a shortlist and without a decision; `match` explains the rest.
+
+        Parameters
+        ----------
+        photo, mask
+            As for `match`.
+        among
+            Names of whom to compare with, as if nobody else were enrolled; everybody by default.
 
         Raises
         ------
         HarmonicFaceError
-            As `match`.
+            As `match`; nobody to compare with, or somebody who is not in the gallery.
         """
         pixels, good = self._asked(photo, mask)
+        names = self.names if among is None else tuple(among)
+        if not names:
+            raise HarmonicFaceError("among: expected at least one name, got none")
+        chosen = range(len(self)) if among is None else [self._index(name) for name in names]
         if not self._looks:
             ranked = rank(self._stack, unit_photo(pixels[good], int(good.sum())), good, len(self))
-            distances = np.array([distance for distance, _ in sorted(ranked, key=lambda one: one[1])])
-            return SearchScores(self.names, -distances, distances, np.zeros((len(self), 2)))
-        verdict = judged(second_look(self._photograph(pixels, good), self._portraits), self._pixels_of_grid())
-        return SearchScores(self.names, verdict.scores, verdict.distances, verdict.shifts, verdict.blocks)
+            distances = np.array([distance for distance, _ in sorted(ranked, key=lambda one: one[1])])[chosen]
+            return SearchScores(names, -distances, distances, np.zeros((len(names), 2)))
+        look = second_look(self._photograph(pixels, good), [self._portraits[index] for index in chosen])
+        verdict = judged(look, self._pixels_of_grid())
+        return SearchScores(names, verdict.scores, verdict.distances, verdict.shifts, verdict.blocks)
+
+    def calibrate(
+        self, fpir: float = 0.01, photographs: Sequence[ArrayLike] | None = None, names: Sequence[str] | None = None
+    ) -> Calibration:
+        """Set the threshold so that a search by a stranger names somebody at a rate, and say what that rests on.
+
+        Strangers are the enrolled people themselves, each searched for without herself in the gallery, by her
+        photographs or renderings as the gallery keeps them; or the people on given photographs. How high others will
+        score is predicted from these comparisons (`Strangers`), and no search of these reaches the threshold more
+        often than asked. One threshold serves everybody; it holds for a gallery of this size, so calibrate again when
+        it has grown. With a model without patterns the threshold alone decides from then on (`margin` is infinite).
+
+        Parameters
+        ----------
+        fpir
+            Above 0 and below 1, per search, whatever the size of the gallery.
+        photographs
+            Each (h, w) or (h, w, 3), as for `match`: of people who are not enrolled, or of enrolled people, who are
+            then left out of their own searches. At least two people. Photographs under the light of later searches
+            tell most.
+        names
+            Of who is in each photograph; enrolled people by their names. Without it each shows another stranger.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Fewer than three people without photographs or two with them, another rate, photographs that `match`
+            refuses, names that do not go with photographs.
+
+        Examples
+        --------
+        >>> import harmonicface as hf
+        >>> gallery = hf.Gallery()
+        >>> for number in range(4):
+        ...     gallery.enroll(str(number), hf.synthetic_person(number, 48))
+        >>> found = gallery.calibrate(fpir=0.01)
+        >>> gallery.threshold == found.threshold, found.searches, found.strangers
+        (True, 20, 4)
+        """
+        found = calibration(self, fpir, photographs, names)
+        self.threshold = found.threshold
+        if not self._looks:
+            self.margin = np.inf
+        return found
+
+    @property
+    def by_score(self) -> bool:
+        """Whether the threshold is a score, larger for more alike, rather than a distance."""
+        return self._looks
+
+    def pictures_of(self, name: str) -> Floats:
+        """Return the pictures that stand for a person, (k, h, w), 0 outside the gallery's mask.
+
+        Her harmonic images if she was enrolled with geometry, otherwise her photographs, as far as the nine strongest
+        directions of their span go.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name is in the gallery.
+        """
+        subspace = self._stack.subspace(self._index(name))
+        assert self._frame is not None
+        images = np.linalg.pinv(subspace.to_coefficients) @ subspace.rows
+        return np.stack([self._frame.picture(image) for image in images.astype(np.float32)])
+
+    def source_of(self, name: str) -> str:
+        """Return what a person was enrolled from, as in `Candidate`.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name is in the gallery.
+        """
+        self._index(name)
+        return self._sources[name]
 
     def _asked(self, photo: ArrayLike, mask: ArrayLike | None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return the compared pixels of a photograph, and which of them are good."""
