@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 from harmonicface._validate import Floats
 from harmonicface.recognition.blocks import correlations, unit_blocks
 from harmonicface.recognition.estimators.nonnegative_least_squares import nonnegative_solutions
+from harmonicface.recognition.grid import on_grid
 from harmonicface.recognition.patterns import patterns
 
 Affinity = NDArray[np.float64]
 
 REACH = 2  # pixels of the pattern grid: people who moved farther are linked by photographs in between
 AT_ONCE = 64  # photographs that stay in the cache
-SMOOTH = 1.0  # pixels, before derivatives
+SMOOTH = 1.0  # pixels of the grid, before derivatives
 FAINT = 0.1  # of the mean gradient: what is weaker has no direction
 CONE_TOLERANCE = 1e-3  # of the largest product: photographs that add less are not taken into a combination
 
@@ -65,24 +66,30 @@ def gradient_affinity(images: Floats) -> Affinity:
     Parameters
     ----------
     images
-        (n, h, w) linear intensities.
+        (n, h, w) linear intensities, at least 24 pixels a side; they are compared at 96 rows or their own if fewer.
+
+    Raises
+    ------
+    HarmonicFaceError
+        Photographs that are too small, NaN.
 
     Examples
     --------
-    >>> ramp = np.tile(np.arange(8.0), (8, 1))
+    >>> ramp = np.tile(np.arange(24.0), (24, 1))
     >>> gradient_affinity(np.stack([ramp, 2 * ramp, ramp.T]))[0].round(2) + 0.0
     array([0.82, 0.82, 0.  ])
     """
-    features = np.empty((len(images), 2, *images.shape[1:]))
-    for image, feature in zip(images, features, strict=True):
-        smooth = cv2.GaussianBlur(np.asarray(image, np.float64), (0, 0), SMOOTH, borderType=cv2.BORDER_REPLICATE)
+    small = [on_grid(image).light for image in images]
+    features = np.empty((len(images), 2, *small[0].shape), np.float32)
+    for image, feature in zip(small, features, strict=True):
+        smooth = cv2.GaussianBlur(image, (0, 0), SMOOTH, borderType=cv2.BORDER_REPLICATE)
         down, right = np.gradient(smooth)
         length = np.hypot(down, right)
         scale = length + FAINT * length.mean()
         scale[scale == 0] = 1
         feature[:] = down / scale, right / scale
     flat = features.reshape(len(images), -1)
-    return np.asarray(flat @ flat.T / (flat.shape[1] / 2))
+    return np.asarray(flat @ flat.T, np.float64) / (flat.shape[1] / 2)
 
 
 def conic_affinity(pixels: Floats) -> Affinity:

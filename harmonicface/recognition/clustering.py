@@ -37,7 +37,7 @@ class HarmonicClustering(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         eigenvalues of its Laplacian leave 0 with the largest step.
     affinity
         "patterns": similarity of local patterns at small shifts; "gradient": of the directions of gradients; both
-        need `image_shape`. "conic": the weights with which other photographs combine to one.
+        need `image_shape`. "conic": the weights with which other photographs combine to one, which make the graph.
     image_shape
         (h, w) of the photographs, which are the rows of a table.
     n_neighbors
@@ -106,7 +106,7 @@ class HarmonicClustering(ClusterMixin, BaseEstimator):  # type: ignore[misc]
         self.labels_ = np.full(len(pixels), NOBODY, np.int32)
         self.n_clusters_ = 0
         if len(kept):
-            graph = neighbour_graph(self.affinity_matrix_[np.ix_(kept, kept)], min(neighbours, len(kept) - 1))
+            graph = self._graph(self.affinity_matrix_[np.ix_(kept, kept)], min(neighbours, len(kept) - 1))
             self.n_clusters_ = min(wanted or pieces(graph), len(kept))
             self.labels_[kept] = self._groups(graph)
         return self
@@ -120,6 +120,10 @@ class HarmonicClustering(ClusterMixin, BaseEstimator):  # type: ignore[misc]
             return conic_affinity(pixels)
         images = as_images(pixels, self.image_shape)
         return gradient_affinity(images) if self.affinity == "gradient" else pattern_affinity(images)
+
+    def _graph(self, affinity: Affinity, neighbours: int) -> Affinity:
+        """Return the weights of links: those of a cone are few and are taken as they are, others by rank."""
+        return linked(affinity) if self.affinity == "conic" else neighbour_graph(affinity, neighbours)
 
     def _groups(self, graph: Affinity) -> NDArray[np.int32]:
         """Return the group of each node, numbered in the order in which they first appear."""
@@ -171,11 +175,22 @@ def neighbour_graph(affinity: Affinity, neighbours: int) -> Affinity:
     np.fill_diagonal(standard, -np.inf)
     nearest = np.zeros((count, count), np.bool_)
     np.put_along_axis(nearest, np.argsort(-standard, axis=1, kind="stable")[:, :neighbours], True, axis=1)
-    weights = np.where(nearest | nearest.T, np.maximum(standard, 0), 0)
-    usual = float(weights[weights > 0].mean()) if weights.any() else 1.0
-    weights += LINK * usual
-    np.fill_diagonal(weights, 0)
-    return np.asarray(weights)
+    return linked(np.where(nearest | nearest.T, np.maximum(standard, 0), 0))
+
+
+def linked(weights: Affinity) -> Affinity:
+    """Return weights (n, n) with a millionth of the mean one added between all, 0 on the diagonal: one connected graph.
+
+    Examples
+    --------
+    >>> linked(np.array([[5.0, 0.0], [0.0, 5.0]]))
+    array([[0.e+00, 5.e-06],
+           [5.e-06, 0.e+00]])
+    """
+    usual = float(weights[weights > 0].mean()) if (weights > 0).any() else 1.0
+    graph = weights + LINK * usual
+    np.fill_diagonal(graph, 0)
+    return np.asarray(graph)
 
 
 def pieces(graph: Affinity) -> int:
