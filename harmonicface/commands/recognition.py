@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -24,9 +25,12 @@ from harmonicface.commands.options import (
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
-from harmonicface.gallery.sources import read_mask, read_source
+from harmonicface.gallery.sources import read_face, read_mask, read_source
 from harmonicface.io.files import alone_in
 from harmonicface.io.images import read_image
+from harmonicface.recognition.detection import FaceBox
+
+CROPPED = 96, 84  # height and width of faces cut out for a new gallery: the proportions of the built-in people
 
 
 def enroll(
@@ -42,6 +46,9 @@ def enroll(
     mask: Annotated[
         Path | None, typer.Option(help="For a new gallery: a picture, white where photographs are compared.")
     ] = None,
+    detect: Annotated[
+        bool, typer.Option("--detect", help="Find the face in each photograph first, and cut it out at --size.")
+    ] = False,
     transfer: Transfer = None,
     size: Size = None,
     texture: Texture = None,
@@ -52,19 +59,22 @@ def enroll(
     distance: Distance = None,
 ) -> None:
     """Add a person to a gallery."""
+    looks = view(None if detect else size, texture, flip_texture, rotation, frame, intrinsics, distance)
     with alone_in(gallery.parent):
         people = _gallery(gallery, mask)
-        people.enroll(
-            name,
-            read_source(
-                source,
-                view(size, texture, flip_texture, rotation, frame, intrinsics, distance),
-                transfer,
-                usual_size=64,
-            ),
-        )
+        cropped = _size_of_crops(people, size) if detect else None
+        people.enroll(name, read_source(source, looks, transfer, usual_size=64, cropped=cropped))
         people.save(gallery)
     typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
+
+
+def _size_of_crops(people: Gallery, size: int | None) -> tuple[int, int]:
+    """Return height and width at which faces are cut out: the gallery's, if it has one."""
+    if people.mask is not None:
+        if size is not None and people.mask.shape != (size, size):
+            raise HarmonicFaceError(f"size: expected the gallery's shape {people.mask.shape}, got {size}")
+        return people.mask.shape[0], people.mask.shape[1]
+    return CROPPED if size is None else (size, size)
 
 
 def _gallery(path: Path, mask: Path | None) -> Gallery:
@@ -82,8 +92,14 @@ def _gallery(path: Path, mask: Path | None) -> Gallery:
 
 def match(
     gallery: Annotated[Path, typer.Argument(help="The gallery's file.", show_default=False)],
-    photo: Annotated[list[Path], typer.Argument(help="Photographs of the gallery's size.", show_default=False)],
+    photo: Annotated[
+        list[Path],
+        typer.Argument(help="Photographs of the gallery's size; of any size with --detect.", show_default=False),
+    ],
     top: Annotated[int, typer.Option(help="How many candidates to name.")] = 5,
+    detect: Annotated[
+        bool, typer.Option("--detect", help="Find the face in each photograph first, and cut it out.")
+    ] = False,
     transfer: Transfer = None,
     as_json: AsJson = False,
 ) -> None:
@@ -91,13 +107,20 @@ def match(
     people = Gallery.open(gallery)
     answers = []
     for path in photo:
-        picture = read_image(path, transfer)
+        face: FaceBox | None = None
+        if detect:
+            picture, face = read_face(path, transfer, _size_of_crops(people, None))
+        else:
+            picture = read_image(path, transfer)
         try:
             found = people.match(picture, top)
         except HarmonicFaceError as error:
             raise HarmonicFaceError(f"{path}: {error}") from None
-        answers.append(_as_dict(path, found))
+        answers.append(_as_dict(path, found, face))
         if not as_json:
+            if face is not None:
+                place = f"{face.side:.0f} pixels, from ({face.left:.0f}, {face.top:.0f})"
+                typer.echo(f"{path}: a face of {place}, seen by {face.support} windows")
             typer.echo(f"{path}: {found.name or 'unknown'} (distance {found.distance:.4f}, margin {found.margin:.2f})")
             for candidate in found.candidates:
                 typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
@@ -105,9 +128,10 @@ def match(
         typer.echo(json.dumps({"gallery": str(gallery), "matches": answers}))
 
 
-def _as_dict(path: Path, found: Match) -> dict[str, object]:
+def _as_dict(path: Path, found: Match, face: FaceBox | None) -> dict[str, object]:
     return {
         "photo": str(path),
+        **({} if face is None else {"face": asdict(face)}),
         "name": found.name,
         "distance": found.distance,
         "margin": found.margin if np.isfinite(found.margin) else None,
