@@ -33,7 +33,6 @@ class FaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     """
 
     _least_features = 1
-    _telling_from_few = False  # whether two features are enough to tell classes apart
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Learn people from their photographs.
@@ -76,6 +75,11 @@ class FaceClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Return the nearest person for each photograph, (n,); the first one of several equally near."""
         nearest = self.predict_distances(X).argmin(axis=1)
         return np.asarray(self.classes_[nearest])
+
+    @property
+    def _telling_from_few(self) -> bool:
+        """Whether two features are enough to tell classes apart."""
+        return False
 
     def _learn(self, pixels: Floats, codes: Codes) -> None:
         """Learn from checked photographs (n, p), the classes' numbers (n,) beside them."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import cv2
 import numpy as np
 import pytest
 from sklearn.base import BaseEstimator
@@ -28,6 +29,7 @@ ON_TABLES = [
     Eigenfaces(),
     Eigenfaces(contrast=False),
     Fisherfaces(),
+    Fisherfaces(contrast=False),
     PhotographSubspace(2),
     NinePointsReal(),
     Linear3(),
@@ -231,10 +233,42 @@ def test_fisherfaces_find_the_direction_between_two_clouds() -> None:
     covariance = np.array([[2.0, 1.9], [1.9, 2.0]])
     names = np.repeat(["ada", "bob"], 5000)
     cloud = random.multivariate_normal([0, 0], covariance, 10000) + np.outer(names == "bob", [1.0, -1.0])
-    direction = Fisherfaces().fit(cloud, names).projection_[:, 0]
+    direction = Fisherfaces(contrast=False).fit(cloud, names).projection_[:, 0]
     expected = np.linalg.solve(covariance, [1.0, -1.0])  # Fisher's
     cosine = abs(direction @ expected) / np.linalg.norm(direction) / np.linalg.norm(expected)
     assert cosine > 0.999
+
+
+@pytest.mark.parametrize("kind", [Eigenfaces, Fisherfaces])
+def test_without_contrast_the_nearest_are_opencvs(kind: type[FaceClassifier]) -> None:
+    random = np.random.default_rng(4)
+    photographs, names = np.rint(255 * random.uniform(0, 1, (24, 60))), np.repeat(["ada", "bob", "cyd", "dan"], 6)
+    queries = np.rint(0.5 * photographs + 0.5 * random.permutation(photographs))
+    recognizer = (
+        cv2.face.EigenFaceRecognizer.create(23) if kind is Eigenfaces else cv2.face.FisherFaceRecognizer.create()
+    )
+    recognizer.train(list(photographs.astype(np.uint8).reshape(-1, 6, 10)), np.repeat(np.arange(4), 6))
+    fitted = kind(contrast=False).fit(photographs, names)
+    distances = fitted.predict_distances(queries)
+    for query, own in zip(queries.astype(np.uint8).reshape(-1, 6, 10), distances, strict=True):
+        label, distance = recognizer.predict(query)
+        assert label == own.argmin()
+        # OpenCV's discriminants have lengths of 1 to half a per cent
+        assert own.min() == pytest.approx(distance, rel=1e-9 if kind is Eigenfaces else 5e-3)
+
+
+def test_fisherfaces_of_people_who_never_change() -> None:
+    photographs, names = faces()
+    still = photographs[::4].repeat(4, axis=0)
+    fitted = Fisherfaces().fit(still, names)
+    assert (fitted.predict(photographs) == names).all()
+
+
+def test_fisherfaces_of_people_with_one_mean() -> None:
+    photographs, _ = faces(people=2)
+    mirrored = np.concatenate([photographs, -photographs])
+    names = np.tile(["ada"] * 4 + ["bob"] * 4, 2)
+    assert (Fisherfaces().fit(mirrored, names).predict(mirrored) == names).all()
 
 
 def test_a_subspace_is_refused_without_dimensions() -> None:
