@@ -45,13 +45,16 @@ def lights(data_dir: Path) -> dict[str, hf.Light]:
 
 
 @pytest.mark.data
-def test_each_head_is_found_under_each_light(heads: dict[str, hf.Surface], lights: dict[str, hf.Light]) -> None:
+@pytest.mark.parametrize("model", ["harmonic9", "default"])
+def test_each_head_is_found_under_each_light(
+    heads: dict[str, hf.Surface], lights: dict[str, hf.Light], model: str
+) -> None:
     assert len(heads) == 18
-    gallery = hf.Gallery()
+    gallery = hf.Gallery(model)
     for name, surface in heads.items():
         gallery.enroll(name, surface)
     found = {
-        (name, where): gallery.match(hf.render(surface, light)).name
+        (name, where): gallery.match(hf.render(surface, light)).candidates[0].name
         for where, light in lights.items()
         for name, surface in heads.items()
     }

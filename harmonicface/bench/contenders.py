@@ -7,17 +7,19 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
+from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.recognition.baselines import BASELINES, Baseline, baseline
 from harmonicface.recognition.displaced import ShiftSearch
 from harmonicface.recognition.models import SUBSPACE_MODELS, subspace_model
 from harmonicface.surfaces.surface import Surface
 
 SHADOWED = ("harmonic_shadowed", "harmonic_shadowed_fixed")  # they need depth, and photographs with cast shadows
-METHODS = (*BASELINES, *(model for model in SUBSPACE_MODELS if model not in SHADOWED))
+METHODS = (*BASELINES, *(model for model in SUBSPACE_MODELS if model not in SHADOWED), DEFAULT_MODEL)
 EVERY_METHOD = (*METHODS, *SHADOWED)
 
 
@@ -32,15 +34,18 @@ class Person:
     photographs
         (n, h, w) linear intensities, 0 to 1.
     known
-        Her Surface, as photometric stereo finds it in them; None where they are too few.
+        Her Surface, as photometric stereo finds it in them; None where it finds none.
     lights
         (n, 3) directions to the light of each photograph, where they are known.
+    refusal
+        Why there is no Surface.
     """
 
     name: str
     photographs: Floats
     known: Surface | None
     lights: Floats | None = None
+    refusal: str = "expected photographs that give a Surface"
 
     @property
     def surface(self) -> Surface:
@@ -52,8 +57,7 @@ class Person:
             There is none.
         """
         if self.known is None:
-            expected = "photographs under at least three lights, which give a Surface"
-            raise HarmonicFaceError(f"{self.name}: expected {expected}, got {len(self.photographs)}")
+            raise HarmonicFaceError(f"{self.name}: {self.refusal}")
         return self.known
 
 
@@ -72,7 +76,7 @@ class Contender(Protocol):
 
 
 class GalleryContender:
-    """A subspace model behind the public `Gallery`: timed as a user would call it."""
+    """A model behind the public `Gallery`: timed as a user would call it."""
 
     def __init__(self, model: str) -> None:
         self.gallery = Gallery(model=model)
@@ -84,14 +88,27 @@ class GalleryContender:
         return self.gallery.bytes_per_person
 
     def enroll(self, people: Sequence[Person]) -> None:
-        """Enrol the Surface of everybody."""
+        """Enrol everybody: the default model by photographs with their lights, if there are any, others by Surface."""
         for index, person in enumerate(people):
-            self.gallery.enroll(person.name, person.surface)
+            self._enroll(person)
             self._index[person.name] = index
+
+    def distances(self, photo: Floats) -> NDArray[np.float64]:
+        """Return how far everybody is, in the order of enrolment: minus the scores."""
+        return -self.gallery.search_scores(photo).scores
 
     def nearest(self, photo: Floats) -> int:
         """Return the index of the first candidate."""
         return self._index[self.gallery.match(photo).candidates[0].name]
+
+    def _enroll(self, person: Person) -> None:
+        """Enrol one person by what the model can use."""
+        if self.gallery.model != DEFAULT_MODEL or (person.known is not None and person.lights is None):
+            self.gallery.enroll(person.name, person.surface)
+        elif person.known is not None:
+            self.gallery.enroll(person.name, person.photographs, person.lights)
+        else:
+            self.gallery.enroll(person.name, person.photographs)
 
 
 class ShiftedContender:
@@ -153,7 +170,7 @@ def contender(method: str) -> Contender:
         return ShiftedContender(method)
     if method == "harmonic_shadowed_fixed":
         return GalleryContender("harmonic_shadowed")
-    if method in SUBSPACE_MODELS:
+    if method == DEFAULT_MODEL or method in SUBSPACE_MODELS:
         return GalleryContender(method)
     if method in BASELINES:
         return PhotographContender(baseline(method))

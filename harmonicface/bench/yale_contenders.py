@@ -9,16 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
-from harmonicface.bench.contenders import Contender, Person, ShiftedContender
+from harmonicface.bench.contenders import Contender, GalleryContender, Person, ShiftedContender
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.estimators.registry import ESTIMATORS, FROM_SURFACES, estimator
+from harmonicface.recognition.exemplar import exemplar
 from harmonicface.recognition.patterns import Template, patterns, similarity
+from harmonicface.surfaces.surface import Surface
 
 WITH_LIGHTS = ("nine_points_real",)  # of those that learn from photographs
 NEEDING_DEPTH = ("harmonic_shadowed", "harmonic_shadowed_fixed", "cone_cast")
 PLAIN = {"harmonic_shadowed_fixed": "harmonic_shadowed"}  # a method's name in the table, its classifier's
 SEARCHING = "harmonic_shadowed"
-YALE_METHODS = (*(name for name in ESTIMATORS if name != SEARCHING), SEARCHING, *PLAIN, "default")
+YALE_METHODS = (
+    *(name for name in ESTIMATORS if name != SEARCHING),
+    SEARCHING,
+    *PLAIN,
+    "exemplar",
+    "patterns",
+    "default",
+)
 
 
 @runtime_checkable
@@ -74,8 +83,41 @@ class ClassifierContender:
         self._classifier.fit(stack.reshape(len(stack), -1), names, **known)
 
 
+class ExemplarContender:
+    """Nine harmonic images from one photograph a person, the most frontal one, by the built-in prior of faces.
+
+    Photographs are compared where the faces of all people are: what is outside is no part of the prior.
+    """
+
+    def __init__(self) -> None:
+        self._contender = ClassifierContender("harmonic9")
+        self._common: NDArray[np.bool_] = np.empty((0, 0), np.bool_)
+
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory that a person costs."""
+        return self._contender.bytes_per_person
+
+    def enroll(self, people: Sequence[Person]) -> None:
+        """Enrol everybody from one photograph; its light is not told."""
+        surfaces = [exemplar(_most_frontal(person)).surface for person in people]
+        self._common = np.logical_and.reduce([surface.mask for surface in surfaces])
+        shared = [Surface(surface.normals, surface.albedo, self._common) for surface in surfaces]
+        self._contender.enroll(
+            [Person(person.name, person.photographs, surface) for person, surface in zip(people, shared, strict=True)]
+        )
+
+    def distances(self, photo: Floats) -> NDArray[np.float64]:
+        """Return how far everybody is, in the order of enrolment."""
+        return self._contender.distances(photo * self._common)
+
+    def nearest(self, photo: Floats) -> int:
+        """Return the index of the nearest person."""
+        return self._contender.nearest(photo * self._common)
+
+
 class PatternContender:
-    """Local patterns of photographs, the mean of each person's."""
+    """Local patterns alone, a part of the default model: the mean of those of each person's photographs."""
 
     def __init__(self) -> None:
         self._templates: list[Template] = []
@@ -112,12 +154,21 @@ def yale_contender(method: str) -> Contender:
     0.0
     """
     if method == "default":
+        return GalleryContender(method)
+    if method == "exemplar":
+        return ExemplarContender()
+    if method == "patterns":
         return PatternContender()
     if method == SEARCHING:
         return ShiftedContender(method)
     if method not in YALE_METHODS:
         raise HarmonicFaceError(f"method: expected one of {', '.join(YALE_METHODS)}, got {method!r}")
     return ClassifierContender(PLAIN.get(method, method))
+
+
+def _most_frontal(person: Person) -> Floats:
+    """Return the photograph under the most frontal light; the first where lights are not known."""
+    return np.asarray(person.photographs[0 if person.lights is None else int(person.lights[:, 2].argmax())])
 
 
 def _lights(person: Person) -> Floats:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import harmonicface as hf
-from harmonicface.bench.contenders import Person
-from harmonicface.bench.yale_contenders import YALE_METHODS, ClassifierContender, PatternContender, yale_contender
+from harmonicface.bench.contenders import GalleryContender, Person
+from harmonicface.bench.yale_contenders import YALE_METHODS, ClassifierContender, yale_contender
 from harmonicface.recognition.estimators.registry import ESTIMATORS, estimator
 
 DIRECTIONS = [(0.1 * x, 0.1 * y, 1.0) for x in (-3, 0, 3) for y in (-3, 0, 3)]
@@ -52,10 +52,13 @@ def test_distances_are_those_of_the_classifier_in_the_order_of_enrolment(name: s
     assert method.bytes_per_person > 1000
 
 
-def test_patterns_count_their_bytes() -> None:
-    method = PatternContender()
+def test_the_default_is_what_a_gallery_does() -> None:
+    method = yale_contender("default")
+    assert isinstance(method, GalleryContender)
     method.enroll(PEOPLE)
     assert method.bytes_per_person >= 2 * 32 * 32
+    photo = PEOPLE[1].photographs[3]
+    assert method.distances(photo).argmin() == method.nearest(photo) == 1
 
 
 def test_lights_are_needed_for_nine_points() -> None:
