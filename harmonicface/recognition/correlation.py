@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.recognition.estimators.nearest import unit_contrast
 from harmonicface.recognition.photographs import one_photo, stacked
 
 
@@ -71,10 +72,7 @@ class Correlation:
 
 def _unit(image: NDArray[np.float32], name: str) -> NDArray[np.float32]:
     """Return the pixels as a float32 vector of mean zero and length one."""
-    pixels = image.ravel().astype(np.float64)
-    lowest, highest = pixels.min(), pixels.max()
-    if lowest == highest:
-        raise HarmonicFaceError(f"{name}: expected an image with contrast, got one of {lowest:.4g} everywhere")
-    pixels = (pixels - lowest) / (highest - lowest)  # faint contrast on a bright ground keeps its digits
-    pixels -= pixels.mean()
-    return np.asarray(pixels / np.linalg.norm(pixels), np.float32)
+    pixels = unit_contrast(image.reshape(1, -1).astype(np.float64))[0]
+    if not pixels.any():
+        raise HarmonicFaceError(f"{name}: expected an image with contrast, got one of {image.min():.4g} everywhere")
+    return np.asarray(pixels, np.float32)
