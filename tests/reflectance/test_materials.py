@@ -71,3 +71,7 @@ def test_lobes_too_narrow_for_harmonics(coat: Material) -> None:
 def test_what_is_no_coat(kind: type[Phong | Microfacet], numbers: tuple[float, ...], message: str) -> None:
     with pytest.raises(hf.HarmonicFaceError, match=message):
         kind(*numbers)
+
+
+def test_the_usual_strength() -> None:
+    assert Phong(50) == Phong(50, 0.04)
