@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harmonicface import _validate
+from harmonicface import _memory, _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.meshes import Mesh
@@ -14,10 +14,11 @@ from harmonicface.surfaces.perspective import Camera, PerspectiveView
 from harmonicface.surfaces.samples import sample
 from harmonicface.surfaces.scene import Scene
 from harmonicface.surfaces.surface import Surface
-from harmonicface.surfaces.view import View
+from harmonicface.surfaces.view import MOST_PIXELS, View
 
 SUPERSAMPLE = 4
 FINEST_DEPTH = 1e-3  # of a pixel: steps in depth that must not get lost
+BYTES_A_SAMPLE = 200  # of a finer pixel while the mesh is sampled, 197 measured
 FINEST = 1024  # pixels a side of the raster beyond which pixels are not divided any further
 
 
@@ -57,6 +58,7 @@ def surface_from_mesh(
         at which the whole mesh is in the picture. Only together with intrinsics.
     supersample
         Divisions of a pixel along each side; by default 4, or fewer where the finer raster would exceed 1024 pixels.
+        A finer raster of more than 16,384 pixels a side, or beyond the memory, is refused.
 
     Returns
     -------
@@ -83,6 +85,8 @@ def surface_from_mesh(
     """
     view = _view(mesh, size, rotation, frame, intrinsics, distance)
     divisions = _divisions(supersample, view.shape)
+    height, width = (side * divisions for side in view.shape)
+    _memory.require(BYTES_A_SAMPLE * height * width, f"a raster of {height} x {width} pixels (size times supersample)")
     samples = sample(mesh, view.finer(divisions))
     seen = samples.mask
     counts = _block_sums(seen.astype(np.float64), divisions)
@@ -145,6 +149,10 @@ def _divisions(supersample: int | None, shape: tuple[int, int]) -> int:
     if isinstance(supersample, bool) or not isinstance(supersample, (int, np.integer)) or supersample < 1:
         raise HarmonicFaceError(
             f"supersample: expected an integer of at least 1, got {_validate.describe(supersample)}"
+        )
+    if max(shape) * int(supersample) > MOST_PIXELS:
+        raise HarmonicFaceError(
+            f"supersample: expected at most {MOST_PIXELS} finer pixels a side, got {max(shape)} times {supersample:.6g}"
         )
     return int(supersample)
 

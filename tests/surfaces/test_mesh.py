@@ -10,6 +10,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from harmonicface import _memory
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.meshes import Mesh
 from harmonicface.surfaces.depth import surface_from_depth
@@ -214,3 +215,12 @@ def test_bad_views_are_refused(ball):
     for supersample in (0, 1.5, True):
         with pytest.raises(HarmonicFaceError, match="supersample: expected an integer of at least 1"):
             surface_from_mesh(ball, 8, supersample=supersample)
+    for supersample in (1000, 10**30):
+        with pytest.raises(HarmonicFaceError, match="supersample: expected at most 16384 finer pixels a side, got 64"):
+            surface_from_mesh(ball, 64, supersample=supersample)
+
+
+def test_a_raster_beyond_the_memory(ball, monkeypatch):
+    monkeypatch.setattr(_memory, "physical_memory", lambda: 10**8)
+    with pytest.raises(HarmonicFaceError, match=r"a raster of 6400 x 6400 pixels .*: need 8\.19 GB of memory"):
+        surface_from_mesh(ball, 64, supersample=100)
