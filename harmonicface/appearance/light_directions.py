@@ -13,6 +13,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.lighting._clamped_cosine import sum_clamped_cosine
 from harmonicface.lighting.discs import DiscLight
 from harmonicface.lighting.environment import EnvironmentMap
+from harmonicface.lighting.gathering import put_together, unfolded
 from harmonicface.lighting.light import HarmonicLight, Light, SumOfLights
 from harmonicface.lighting.sources import AmbientLight, DirectionalLights
 from harmonicface.surfaces.visible_sums import sphere_directions
@@ -139,30 +140,14 @@ def _merged(directions: Floats, strengths: Floats, cumulative: Doubles) -> tuple
     if len(directions) <= GROUPS:
         return directions, strengths
     group = np.minimum((cumulative * GROUPS).astype(np.int64), GROUPS - 1)
-    columns = strengths.reshape(len(strengths), -1).astype(np.float64)
-    total = columns.sum(axis=1)
-    sums = np.stack([np.bincount(group, total * axis, GROUPS) for axis in directions.T], axis=1)
-    whole = np.bincount(group, total, GROUPS)
-    lit = whole > 0
-    length = np.linalg.norm(sums[lit], axis=1)
-    merged = np.stack([np.bincount(group, column, GROUPS)[lit] for column in columns.T], axis=1)
-    merged *= (length / whole[lit])[:, None]
-    return np.asarray(sums[lit] / length[:, None]), merged.reshape(len(merged), *strengths.shape[1:]).astype(np.float64)
-
-
-def _octahedron(directions: Floats) -> tuple[Doubles, Doubles]:
-    """Return where directions fall on a square that an octahedron is unfolded to, both from 0 to 1."""
-    x, y, z = (directions / np.abs(directions).sum(axis=-1, keepdims=True)).T.astype(np.float64)
-    folded = z < 0
-    u = np.where(folded, (1 - np.abs(y)) * np.copysign(1, x), x)
-    v = np.where(folded, (1 - np.abs(x)) * np.copysign(1, y), y)
-    return (u + 1) / 2, (v + 1) / 2
+    towards, merged, spread = put_together(directions, strengths, group)
+    return towards, merged * (spread if merged.ndim == 1 else spread[:, None])
 
 
 def _along_curve(directions: Floats) -> NDArray[np.int64]:
     """Return the places of directions along Hilbert's curve through that square."""
     side = 1 << CURVE_BITS
-    x, y = (np.minimum((part * side).astype(np.int64), side - 1) for part in _octahedron(directions))
+    x, y = (np.minimum((part * side).astype(np.int64), side - 1) for part in unfolded(directions))
     place = np.zeros(len(x), dtype=np.int64)
     step = side >> 1
     while step:

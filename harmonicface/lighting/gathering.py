@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
+from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 
 Doubles = NDArray[np.float64]
@@ -55,20 +56,42 @@ def gathered(directions: ArrayLike, strengths: ArrayLike, angle: float) -> tuple
     side = min(MOST_CELLS, math.ceil(math.sqrt(4 * math.pi) / _validate.positive(angle, "angle")))
     if side**2 >= len(towards):
         return towards, bright
-    columns = bright.reshape(len(bright), -1)
+    column, row = (np.minimum((part * side).astype(np.int64), side - 1) for part in unfolded(towards))
+    towards, bright, _ = put_together(towards, bright, np.unique(row * side + column, return_inverse=True)[1])
+    return towards, bright
+
+
+def put_together(directions: Floats, strengths: Floats, group: NDArray[np.int64]) -> tuple[Doubles, Doubles, Doubles]:
+    """Return one lamp in place of each group that shines: in the middle of its light, with all of its strength.
+
+    Parameters
+    ----------
+    directions
+        (n, 3) unit vectors.
+    strengths
+        (n,) or (n, 3), at least 0.
+    group
+        (n,) numbers of the groups, from 0.
+
+    Returns
+    -------
+    directions, strengths, spread
+        (m, 3), (m,) or (m, 3), and (m,) the length of the mean vector: 1 where all of a group are in one direction.
+    """
+    columns = strengths.reshape(len(strengths), -1).astype(np.float64, copy=False)
     total = columns.sum(axis=1)
-    _, cell = np.unique(_cells(towards, side), return_inverse=True)
-    sums = np.stack([np.bincount(cell, total * axis) for axis in towards.T], axis=1)
-    merged = np.stack([np.bincount(cell, column) for column in columns.T], axis=1)
+    sums = np.stack([np.bincount(group, total * axis) for axis in directions.T], axis=1)
+    merged = np.stack([np.bincount(group, column) for column in columns.T], axis=1)
     length = np.linalg.norm(sums, axis=1)
     lit = length > 0
-    return sums[lit] / length[lit, None], merged[lit].reshape(int(lit.sum()), *bright.shape[1:])
+    towards, merged = sums[lit] / length[lit, None], merged[lit]
+    return towards, merged.reshape(len(merged), *strengths.shape[1:]), length[lit] / merged.sum(axis=1)
 
 
-def _cells(directions: Doubles, side: int) -> NDArray[np.int64]:
-    """Return the cell of each direction on the square that an octahedron is unfolded to, (n,)."""
-    x, y, z = (directions / np.abs(directions).sum(axis=1, keepdims=True)).T
-    u = np.where(z < 0, (1 - np.abs(y)) * np.copysign(1, x), x)
-    v = np.where(z < 0, (1 - np.abs(x)) * np.copysign(1, y), y)
-    column, row = (np.minimum(((part + 1) / 2 * side).astype(np.int64), side - 1) for part in (u, v))
-    return np.asarray(row * side + column)
+def unfolded(directions: Floats) -> tuple[Doubles, Doubles]:
+    """Return where directions fall on a square that an octahedron is unfolded to, both from 0 to 1."""
+    x, y, z = (directions / np.abs(directions).sum(axis=-1, keepdims=True)).T.astype(np.float64)
+    folded = z < 0
+    u = np.where(folded, (1 - np.abs(y)) * np.copysign(1, x), x)
+    v = np.where(folded, (1 - np.abs(x)) * np.copysign(1, y), y)
+    return (u + 1) / 2, (v + 1) / 2
