@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
+from harmonicface.appearance._options import checked_order, with_shadows
 from harmonicface.harmonics.basis import scaled_harmonics
 from harmonicface.io.colour import LUMINANCE, luminance
 from harmonicface.reflectance.filters import lambertian_filter
@@ -30,7 +31,8 @@ def harmonic_images(surface: Surface, order: int = 2, shadows: bool = False, bou
     surface
         Its albedo rho is taken as luminance when it has colour. For shadows it needs depth or a scene.
     order
-        The highest degree l: 1 gives four images, 2 gives nine, which hold 99.22 % of the energy.
+        The highest degree l, at most 200, with shadows 12: 1 gives four images, 2 gives nine, which hold 99.22 % of
+        the energy.
     shadows
         With cast shadows; see `transport`.
     bounces
@@ -44,7 +46,7 @@ def harmonic_images(surface: Surface, order: int = 2, shadows: bool = False, bou
     Raises
     ------
     HarmonicFaceError
-        A negative order or number of bounces, shadows of a Surface with neither depth nor scene.
+        An order or a number of bounces out of range, shadows of a Surface with neither depth nor scene.
 
     Examples
     --------
@@ -53,8 +55,9 @@ def harmonic_images(surface: Surface, order: int = 2, shadows: bool = False, bou
     >>> hf.harmonic_images(wall)[:, 0].round(4)
     array([0.8862, 0.    , 1.0233, 0.    , 0.    , 0.    , 0.4954, 0.    , 0.    ])
     """
-    if shadows or bounces:
+    if with_shadows(shadows, bounces):
         return _shadowed_images(surface, order, bounces)
+    checked_order(order)
     normals, albedo = _pixels(surface.normals, surface.mask), _pixels(surface.albedo, surface.mask)
     return scaled_harmonics(normals, order, lambertian_filter(order), luminance(albedo) if albedo.ndim == 2 else albedo)
 

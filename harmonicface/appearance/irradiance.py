@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from harmonicface._validate import Floats
+from harmonicface.appearance._options import needed_order, with_shadows
 from harmonicface.appearance.shadows import shadowed_irradiance
 from harmonicface.lighting.light import HarmonicLight, Light
 from harmonicface.surfaces.surface import Surface
@@ -28,7 +29,8 @@ def surface_irradiance(
         What falls on it.
     order
         None for the exact sum over the light's directions; otherwise the highest degree of the harmonic approximation,
-        which may be below 0 in places.
+        which may be below 0 in places; at most 200, with shadows 12. That of a `HarmonicLight` itself is enough, and
+        no more is computed.
     shadows
         With what is in the way; without it V = 1.
     bounces
@@ -42,9 +44,11 @@ def surface_irradiance(
     Raises
     ------
     HarmonicFaceError
-        A negative order or count of bounces, shadows of a Surface with neither depth nor scene.
+        An order or a count of bounces out of range, shadows of a Surface with neither depth nor scene.
     """
-    if not (shadows or bounces):
+    if order is not None:
+        order = needed_order(light, order)
+    if not with_shadows(shadows, bounces):
         source = light if order is None else HarmonicLight(light.coefficients(order))
         return source.irradiance(surface.pixel_normals)
     if order is None:

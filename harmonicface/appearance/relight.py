@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
+from harmonicface.appearance._options import with_shadows
 from harmonicface.appearance.gloss import gloss
 from harmonicface.appearance.irradiance import surface_irradiance
 from harmonicface.appearance.nonnegative_light import nonnegative_light
@@ -91,17 +92,18 @@ def relight(
     """
     if not isinstance(surface, Surface):
         raise HarmonicFaceError(f"surface: expected a Surface, got {_validate.describe(surface)}")
+    casting = with_shadows(shadows, bounces)
     picture = _checked(photo, surface)
     floor = at_least_zero(floor, "floor")
     new = as_light(light)
-    old = _estimated(picture, surface, shadows or bounces > 0) if photo_light is None else as_light(photo_light)
+    old = _estimated(picture, surface, casting) if photo_light is None else as_light(photo_light)
     before, after = (
         np.maximum(_columns(surface_irradiance(surface, each, order, shadows, bounces)), 0) for each in (old, new)
     )
     shone: Floats = np.zeros((1, 1), before.dtype)
     shines = shone
     if material is not None:
-        shone, shines = (_columns(gloss(surface, each, material, order, shadows or bounces > 0)) for each in (old, new))
+        shone, shines = (_columns(gloss(surface, each, material, order, casting)) for each in (old, new))
     shown, known = _columns(picture[surface.mask]), _columns(surface.pixel_albedo)
     if shown.shape[1] == 1:  # a grey photograph shows luminance
         before, shone, known = (

@@ -6,6 +6,7 @@ import numpy as np
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
+from harmonicface.appearance._options import with_shadows
 from harmonicface.appearance.colours import colourwise
 from harmonicface.appearance.gloss import gloss
 from harmonicface.appearance.irradiance import surface_irradiance
@@ -39,11 +40,14 @@ def render(
     light
         What falls on it: a Light, a published name, coefficients, a direction, or a list (see `as_light`).
     order
-        None for the exact sum; otherwise the highest degree of the harmonic approximation.
+        None for the exact sum; otherwise the highest degree of the harmonic approximation, at most 200, with shadows
+        12 (see `transport`).
     material
         `Phong` or `Microfacet`: a coat that shines on top of the matte albedo (see `gloss`). None: matte.
     shadows
-        With cast shadows.
+        With cast shadows: of all of the mesh that the Surface was seen from (its `scene`), or of its depth alone. A
+        saved Surface has no scene any more, so its exact shadows are those of its depth, and so are harmonic ones of a
+        higher order, or with other bounces, than the transports that were saved with it.
     bounces
         How often light may be thrown back from surface to surface; more than 0 implies shadows.
 
@@ -56,8 +60,8 @@ def render(
     Raises
     ------
     HarmonicFaceError
-        No Surface, no light, no material, a negative order or count of bounces, shadows of a Surface with neither depth
-        nor scene.
+        No Surface, no light, no material, an order or a count of bounces out of range, shadows of a Surface with
+        neither depth nor scene.
 
     Examples
     --------
@@ -68,10 +72,11 @@ def render(
     """
     if not isinstance(surface, Surface):
         raise HarmonicFaceError(f"surface: expected a Surface, got {_validate.describe(surface)}")
+    casting = with_shadows(shadows, bounces)
     source = as_light(light)
-    pixels = _matte(surface, source, order, shadows, bounces)
+    pixels = _matte(surface, source, order, casting, bounces)
     if material is not None:
-        pixels = colourwise(np.add, pixels, gloss(surface, source, material, order, shadows or bounces > 0))
+        pixels = colourwise(np.add, pixels, gloss(surface, source, material, order, casting))
     picture = np.zeros((*surface.shape, *pixels.shape[1:]), pixels.dtype)
     picture[surface.mask] = pixels
     return picture
@@ -79,7 +84,7 @@ def render(
 
 def _matte(surface: Surface, light: Light, order: int | None, shadows: bool, bounces: int) -> Floats:
     """Return albedo times irradiance, (p,) or (p, 3)."""
-    if order is None and (shadows or bounces):
+    if order is None and shadows:
         return shadowed_radiosity(surface, light, bounces)
     irradiance = surface_irradiance(surface, light, order, shadows, bounces)
     return colourwise(np.multiply, surface.pixel_albedo, irradiance)

@@ -131,7 +131,9 @@ class Surface:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the Surface and its transports to an .npz file, bit for bit; the file is replaced whole or not at all.
 
-        The scene stays behind: what is to be kept of its shadows has to be in the transports.
+        The scene stays behind: what is to be kept of its shadows has to be in the transports, so compute them before
+        (`transport`). All other shadows of what is loaded come from its depth, which knows nothing of what the picture
+        does not show.
 
         Raises
         ------

@@ -11,6 +11,8 @@ from harmonicface.surfaces.ray_transport import ray_transport
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.transport import Transport
 
+HIGHEST_ORDER = 12  # where 32 azimuths err by 13 % in the last degree of a person's transport; 30 % at 16, 58 % at 20
+
 
 def transport(surface: Surface, order: int = 4, bounces: int = 0) -> Transport:
     """Return how much of each harmonic light reaches the pixels of a Surface past what casts shadows.
@@ -24,7 +26,7 @@ def transport(surface: Surface, order: int = 4, bounces: int = 0) -> Transport:
     surface
         A Surface with depth or with a scene.
     order
-        The highest degree l, at least 0.
+        The highest degree l, 0 to 12: what casts shadows is sampled too coarsely for higher ones.
     bounces
         How often light may be thrown back from surface to surface before it arrives, at least 0.
 
@@ -37,7 +39,7 @@ def transport(surface: Surface, order: int = 4, bounces: int = 0) -> Transport:
     Raises
     ------
     HarmonicFaceError
-        A Surface with neither depth nor scene, a negative order or number of bounces.
+        A Surface with neither depth nor scene, an order that is not 0 to 12, a negative number of bounces.
 
     Examples
     --------
@@ -47,6 +49,11 @@ def transport(surface: Surface, order: int = 4, bounces: int = 0) -> Transport:
     array([0.8862, 0.    , 1.0233, 0.    ])
     """
     rows = count(order)
+    if order > HIGHEST_ORDER:
+        raise HarmonicFaceError(
+            f"order: expected at most {HIGHEST_ORDER} with shadows, whose azimuths and rays tell no higher degrees "
+            f"apart, got {order:.6g}; without an order they are exact"
+        )
     bounces = _validate.at_least(bounces, 0, "bounces")
     known = surface.transports.get(bounces)
     if known is None or known.order < order:

@@ -148,3 +148,13 @@ def test_shadows_need_depth() -> None:
         hf.harmonic_images(hf.Surface(NORMALS, ALBEDO, MASK), shadows=True)
     with pytest.raises(hf.HarmonicFaceError, match="bounces: expected"):
         hf.harmonic_images(stairs(), bounces=-1)
+
+
+def test_orders_without_end_are_refused() -> None:
+    wall = hf.Surface(np.tile([0.0, 0.0, 1.0], (2, 2, 1)), np.ones((2, 2)), depth=np.zeros((2, 2)))
+    with pytest.raises(hf.HarmonicFaceError, match=r"order: expected at most 200, .* got 1000"):
+        hf.harmonic_images(wall, 1000)
+    with pytest.raises(hf.HarmonicFaceError, match=r"order: expected at most 12 with shadows, .* got 99"):
+        hf.harmonic_images(wall, 99, shadows=True)
+    with pytest.raises(hf.HarmonicFaceError, match="shadows: expected True or False, got int 2"):
+        hf.harmonic_images(wall, shadows=2)  # type: ignore[arg-type]

@@ -135,11 +135,28 @@ def test_light_thrown_back_implies_shadows() -> None:
     assert (hf.render(HOLLOW, white, order=2, bounces=1) != hf.render(HOLLOW, white, order=2)).any()
 
 
+@pytest.mark.parametrize("shadows", [False, True])
+def test_no_more_orders_than_the_light_has(shadows: bool) -> None:
+    for light in ("grace", hf.lights.published("grace") + hf.lights.published("eucalyptus")):
+        found = hf.render(HOLLOW, light, order=1000, shadows=shadows)
+        assert_allclose(found, hf.render(HOLLOW, light, order=2, shadows=shadows), rtol=0)
+    fresh = hf.Surface(HOLLOW.normals, HOLLOW.albedo, HOLLOW.mask, HOLLOW.depth)
+    hf.render(fresh, "grace", order=1000, shadows=True)
+    assert fresh.transports[0].order == 2
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ({"light": "noon"}, "light: expected one of 'grace'"),
         ({"material": "wet"}, "material: expected Phong or Microfacet, got str"),
+        ({"bounces": None}, "bounces: expected an integer of at least 0, got NoneType"),
+        ({"bounces": None, "shadows": True}, "bounces: expected an integer of at least 0, got NoneType"),
+        ({"shadows": "no"}, "shadows: expected True or False, got str 'no'"),
+        ({"order": 201}, "order: expected at most 200, .* got 201"),
+        ({"order": 10**9}, "order: expected at most 200, .* got 1e.09"),
+        ({"order": 13, "shadows": True}, "order: expected at most 12 with shadows, .* got 13"),
+        ({"order": -1, "light": "grace"}, "order: expected an integer of at least 0"),
         ({"bounces": -1}, "bounces: expected an integer of at least 0"),
         ({"bounces": -1, "order": 2}, "bounces: expected an integer of at least 0"),
         ({"surface": hf.Surface(NORMALS, GREY, MASK), "shadows": True}, "surface: expected .* got"),

@@ -93,3 +93,11 @@ def test_bad_arguments(order, bounces, message):
     with pytest.raises(HarmonicFaceError, match=message) as error:
         transport(Surface(np.tile([0.0, 0, 1], (2, 2, 1)), np.ones((2, 2))), order, bounces)
     assert "\n" not in str(error.value)
+
+
+def test_orders_beyond_what_azimuths_and_rays_tell_apart(tmp_path):
+    for surface in (rough(), tent(tmp_path)):
+        assert transport(surface, 8).order == 8
+        for order in (13, 99, 1000):
+            with pytest.raises(HarmonicFaceError, match=f"order: expected at most 12 with shadows.*got {order};"):
+                transport(surface, order)
