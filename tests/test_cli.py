@@ -450,7 +450,7 @@ def test_evaluating_one_photograph_a_person(run: Run, yale: Path, tmp_path: Path
     assert (answer.code, answer.out.count("\n")) == (0, 1)
     found = json.loads(answer.out)
     assert (found["n"]["1"], list(found["methods"]), found["noise"], found["jpeg"]) == (4, ["default"], 0.01, 50)
-    assert "left out: linear3: yaleB01: expected photographs under at least three lights" in answer.err
+    assert "left out: linear3: yaleB01: images: expected at least 3 under different lights" in answer.err
     assert (tmp_path / "report" / "report.html").is_file()
     printed = run("evaluate", "yale-b", yale, *options, "--out", tmp_path / "report").out
     assert "Published beside ours" in printed and "report.html" in printed.replace("\n", "")

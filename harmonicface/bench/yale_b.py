@@ -20,7 +20,6 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.calibrated import calibrated_stereo
 from harmonicface.stereo.reconstruction import reconstruct
 
-FEWEST_FOR_SURFACE = 3  # photographs
 Progress = Callable[[str, int, int], None]
 
 
@@ -111,20 +110,25 @@ def enrolled_people(faces: Sequence[YalePerson], train: str = "subset1", depth: 
     """Return people with their training photographs and the Surfaces that these give.
 
     With depth, the photographs are registered to each other before stereo, and the normals are integrated; without,
-    stereo takes them as they are. Fewer than three photographs give no Surface.
+    stereo takes them as they are.
     """
     return _enrolled(faces, yale_protocol(train).splits(faces)[0].training, depth)
+
+
+def learned(name: str, photographs: NDArray[np.float32], lights: NDArray[np.float64], depth: bool = False) -> Person:
+    """Return a person with her photographs, and the Surface that photometric stereo finds in them, if any."""
+    try:
+        surface = reconstruct(photographs, lights) if depth else calibrated_stereo(photographs, lights).surface
+    except HarmonicFaceError as problem:
+        return Person(name, photographs, None, lights, str(problem))
+    return Person(name, photographs, surface, lights)
 
 
 def _enrolled(faces: Sequence[YalePerson], training: Sequence[Chosen], depth: bool) -> list[Person]:
     """Return people with their training photographs, lights and Surfaces."""
     people = []
     for face, chosen in zip(faces, training, strict=True):
-        photographs, lights = face.photographs[chosen], face.lights[chosen]
-        surface = None
-        if len(photographs) >= FEWEST_FOR_SURFACE:
-            surface = reconstruct(photographs, lights) if depth else calibrated_stereo(photographs, lights).surface
-        people.append(Person(f"yaleB{face.number:02d}", photographs, surface, lights))
+        people.append(learned(f"yaleB{face.number:02d}", face.photographs[chosen], face.lights[chosen], depth))
     return people
 
 

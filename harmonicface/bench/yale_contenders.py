@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -11,23 +12,18 @@ from numpy.typing import NDArray
 from harmonicface._validate import Floats
 from harmonicface.bench.contenders import Contender, GalleryContender, Person, ShiftedContender
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.people.prior import FacePrior
+from harmonicface.recognition.estimators.base import FaceClassifier
+from harmonicface.recognition.estimators.exemplar import Exemplar
 from harmonicface.recognition.estimators.registry import ESTIMATORS, FROM_SURFACES, estimator
-from harmonicface.recognition.exemplar import exemplar
 from harmonicface.recognition.patterns import Template, patterns, similarity
-from harmonicface.surfaces.surface import Surface
 
 WITH_LIGHTS = ("nine_points_real",)  # of those that learn from photographs
 NEEDING_DEPTH = ("harmonic_shadowed", "harmonic_shadowed_fixed", "cone_cast")
 PLAIN = {"harmonic_shadowed_fixed": "harmonic_shadowed"}  # a method's name in the table, its classifier's
 SEARCHING = "harmonic_shadowed"
-YALE_METHODS = (
-    *(name for name in ESTIMATORS if name != SEARCHING),
-    SEARCHING,
-    *PLAIN,
-    "exemplar",
-    "patterns",
-    "default",
-)
+OTHERS = (SEARCHING, *PLAIN, "exemplar", "patterns", "default")  # that take more than a classifier's call
+YALE_METHODS = (*(name for name in ESTIMATORS if name not in OTHERS), *OTHERS)
 
 
 @runtime_checkable
@@ -43,7 +39,7 @@ class ClassifierContender:
 
     def __init__(self, name: str) -> None:
         self._name = name
-        self._classifier = estimator(name)
+        self._classifier = self._new()
         self._order: NDArray[np.intp] = np.empty(0, np.intp)
         self._bytes = 0.0
 
@@ -72,10 +68,13 @@ class ClassifierContender:
         """Return the index of the nearest person."""
         return int(self.distances(photo).argmin())
 
+    def _new(self, shape: tuple[int, int] | None = None) -> FaceClassifier:
+        return estimator(self._name, shape)
+
     def _fit(self, people: Sequence[Person]) -> None:
         """Learn from photographs as rows of a table."""
         stack = np.concatenate([person.photographs for person in people])
-        self._classifier = estimator(self._name, (stack.shape[1], stack.shape[2]))
+        self._classifier = self._new((stack.shape[1], stack.shape[2]))
         names = np.repeat([person.name for person in people], [len(person.photographs) for person in people])
         known: dict[str, Any] = {}
         if self._name in WITH_LIGHTS:
@@ -83,37 +82,19 @@ class ClassifierContender:
         self._classifier.fit(stack.reshape(len(stack), -1), names, **known)
 
 
-class ExemplarContender:
-    """Nine harmonic images from one photograph a person, the most frontal one, by the built-in prior of faces.
+class ExemplarContender(ClassifierContender):
+    """Nine harmonic images from one photograph a person, the most frontal one, by a prior of faces."""
 
-    Photographs are compared where the faces of all people are: what is outside is no part of the prior.
-    """
-
-    def __init__(self) -> None:
-        self._contender = ClassifierContender("harmonic9")
-        self._common: NDArray[np.bool_] = np.empty((0, 0), np.bool_)
-
-    @property
-    def bytes_per_person(self) -> float:
-        """Memory that a person costs."""
-        return self._contender.bytes_per_person
+    def __init__(self, prior: FacePrior | None = None) -> None:
+        self._prior = prior
+        super().__init__("exemplar")
 
     def enroll(self, people: Sequence[Person]) -> None:
-        """Enrol everybody from one photograph; its light is not told."""
-        surfaces = [exemplar(_most_frontal(person)).surface for person in people]
-        self._common = np.logical_and.reduce([surface.mask for surface in surfaces])
-        shared = [Surface(surface.normals, surface.albedo, self._common) for surface in surfaces]
-        self._contender.enroll(
-            [Person(person.name, person.photographs, surface) for person, surface in zip(people, shared, strict=True)]
-        )
+        """Learn everybody from one photograph; its light is not told."""
+        super().enroll([replace(person, photographs=_most_frontal(person)[None]) for person in people])
 
-    def distances(self, photo: Floats) -> NDArray[np.float64]:
-        """Return how far everybody is, in the order of enrolment."""
-        return self._contender.distances(photo * self._common)
-
-    def nearest(self, photo: Floats) -> int:
-        """Return the index of the nearest person."""
-        return self._contender.nearest(photo * self._common)
+    def _new(self, shape: tuple[int, int] | None = None) -> FaceClassifier:
+        return Exemplar(shape, self._prior)
 
 
 class PatternContender:
@@ -168,7 +149,10 @@ def yale_contender(method: str) -> Contender:
 
 def _most_frontal(person: Person) -> Floats:
     """Return the photograph under the most frontal light; the first where lights are not known."""
-    return np.asarray(person.photographs[0 if person.lights is None else int(person.lights[:, 2].argmax())])
+    if person.lights is None:
+        return np.asarray(person.photographs[0])
+    towards = person.lights[:, 2] / np.linalg.norm(person.lights, axis=1)
+    return np.asarray(person.photographs[int(towards.argmax())])
 
 
 def _lights(person: Person) -> Floats:

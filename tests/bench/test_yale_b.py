@@ -19,10 +19,11 @@ from harmonicface.recognition.subspace import Subspace
 
 def test_every_photograph_is_asked_of_every_method(yale_folder: Path) -> None:
     told: list[tuple[str, int, int]] = []
-    result = evaluate_yale_b(yale_folder, [1, 2], progress=lambda *step: told.append(step))
+    methods = [name for name in YALE_METHODS if name != "exemplar"]  # its prior takes seconds to make
+    result = evaluate_yale_b(yale_folder, [1, 2], methods=methods, progress=lambda *step: told.append(step))
     assert (result.protocol, result.train, result.people) == ("yale-b", "subset1", [1, 2])
     assert result.n == {"1": 14, "2": 4, "3": 4, "4": 4, "5": 2}
-    assert list(result.methods) == [name for name in YALE_METHODS if name != "nine_points_real"]
+    assert list(result.methods) == [name for name in methods if name != "nine_points_real"]
     assert list(result.left_out) == ["nine_points_real"]
     assert "expected at least nine of yaleB01, got 7" in result.left_out["nine_points_real"]
     for name, method in result.methods.items():
@@ -39,7 +40,7 @@ def test_one_photograph_a_person(yale_folder: Path) -> None:
     assert result.n == {"1": 18, "2": 6, "3": 6, "4": 6, "5": 3}
     assert list(result.methods) == ["default"]
     assert set(result.left_out) == {"harmonic9", "fisherfaces"}
-    assert "expected photographs under at least three lights" in result.left_out["harmonic9"]
+    assert "expected at least 3 under different lights, got 1" in result.left_out["harmonic9"]
 
 
 def test_nine_lights_are_no_queries(yale_folder: Path) -> None:

@@ -1,0 +1,95 @@
+"""How wrong is recognition as photographs get worse, and how long does it take? Beside OpenCV's `cv2.face`, Tan-Triggs.
+
+Run it as `python benchmarks/recognition.py [--quick] [--json FILE] [--out DIR]`; DIR gets a page with the curves.
+Settings of "default" were chosen on people 1 to 5; notes tell the error on the others alone. Occlusion has a benchmark
+of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from harmonicface.bench.console import progress
+from harmonicface.bench.curves import CurvePoint, error_curves
+from harmonicface.bench.curves_page import write_curves_page
+from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.ordeals import SIZE
+from harmonicface.bench.yale_contenders import YALE_METHODS
+from harmonicface.bench.yale_timing import Timing, query_times
+from harmonicface.datasets.yale_b import load_yale_b
+
+DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data")) / "yaleb"
+OURS, PEER = "default", "lbph"
+QUICK_PEOPLE = (1, 2, 6, 7, 8)
+QUICK_METHODS = ("default", "harmonic9", "correlation", "lbph")
+
+
+def curve_records(points: Sequence[CurvePoint], people: int) -> list[Record]:
+    """Return one record a level: ours, beside cv2.face, and the others in the note."""
+    found = []
+    for ordeal, level in dict.fromkeys((point.ordeal, point.level) for point in points):
+        here = {point.method: point for point in points if (point.ordeal, point.level) == (ordeal, level)}
+        ours, peer = here[OURS], here[PEER]
+        others = "; ".join(f"{name} {100 * point.error.value:.2f}" for name, point in here.items() if name != OURS)
+        unseen = "" if ours.error_unseen is None else f"; on people 6 and up {ours.error_unseen}"
+        found.append(
+            Record(
+                name=f"{ordeal} {level:g}: {OURS}",
+                size=f"{people} people {SIZE[1]}x{SIZE[0]}, {ours.asked} photographs",
+                seconds=ours.milliseconds / 1e3,
+                error=100 * ours.error.value,
+                peer="LBPH of cv2.face",
+                peer_seconds=peer.milliseconds / 1e3,
+                note=f"error: % given to the wrong person, {ours.error}{unseen}; {others}",
+            )
+        )
+    return found
+
+
+def timing_records(timings: Sequence[Timing]) -> list[Record]:
+    """Return one record a method: a query in a full gallery."""
+    peer = next(timing for timing in timings if timing.method == PEER)
+    return [
+        Record(
+            name=f"a query: {timing.method}",
+            size=f"{timing.people} people 168x192",
+            seconds=timing.milliseconds / 1e3,
+            bytes=round(timing.bytes_per_person),
+            peer="LBPH of cv2.face",
+            peer_seconds=peer.milliseconds / 1e3,
+            note="the gallery is filled up with mirrored and synthetic people, for the time alone; bytes a person",
+        )
+        for timing in timings
+    ]
+
+
+def main() -> None:
+    """Print the records, and write them if asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="five people, six photographs of each, few levels")
+    parser.add_argument("--json", help="write the records here")
+    parser.add_argument("--out", help="write a page with the curves into this folder")
+    options = parser.parse_args()
+    if not DATA.is_dir():
+        print(f"skipped: the photographs of Yale B are not in {DATA} (set HARMONICFACE_DATA)")
+        return
+    faces = load_yale_b(DATA, QUICK_PEOPLE if options.quick else None)
+    with progress() as tell:
+        points = error_curves(faces, queries=6 if options.quick else 24, every=3 if options.quick else 1, progress=tell)
+        methods, queries = (QUICK_METHODS, 4) if options.quick else (YALE_METHODS, 12)
+        timings = query_times(faces, methods, queries=queries, progress=tell)
+    found = curve_records(points, len(faces)) + timing_records(timings)
+    print_records(found)
+    if options.json:
+        write_records(options.json, found)
+    if options.out:
+        folder = Path(options.out)
+        folder.mkdir(parents=True, exist_ok=True)
+        print(write_curves_page(points, timings, [face.number for face in faces], folder / "curves.html").resolve())
+
+
+if __name__ == "__main__":
+    main()
