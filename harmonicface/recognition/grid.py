@@ -106,7 +106,9 @@ def filled(light: Picture, cover: Picture) -> Picture:
     Linear in the light, so that a combination of pictures stays one.
     """
     tiny = np.float32(1e-12)
-    around = blurred(light, NEIGHBOURHOOD) / np.maximum(blurred(cover, NEIGHBOURHOOD), tiny)
+    near = blurred(cover, NEIGHBOURHOOD)
+    everywhere = light.sum() / max(float(cover.sum()), 1e-12)
+    around = np.where(near > tiny, blurred(light, NEIGHBOURHOOD) / np.maximum(near, tiny), everywhere)
     return np.asarray(np.where(cover > 0.5, light / np.maximum(cover, tiny), around), np.float32)
 
 

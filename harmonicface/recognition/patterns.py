@@ -70,7 +70,7 @@ def patterns_on_grid(picture: OnGrid) -> Pattern:
     light = np.maximum(picture.light, 0)
     bright = _bright(light if picture.seen is None else light[picture.seen])
     log = cv2.log(light / np.float32(bright) + np.float32(DARK))
-    found = np.stack([_at_scale(log, scale) for scale in SCALES])
+    found = np.stack([_at_scale(log, scale, picture.seen) for scale in SCALES])
     return found if picture.seen is None else found * picture.seen
 
 
@@ -195,11 +195,12 @@ def similarity(query: Pattern, templates: Sequence[Template], reach: int = REACH
     return Similarities(scores, np.column_stack([right, down]) - reach, int(known_blocks(flat).sum()))
 
 
-def _at_scale(log: Pattern, scale: float) -> Pattern:
-    """Return the pattern of a logarithm at one scale."""
+def _at_scale(log: Pattern, scale: float, seen: NDArray[np.bool_] | None) -> Pattern:
+    """Return the pattern of a logarithm at one scale; the mean energy is that of what is seen."""
     detail = blurred(log, scale) - blurred(log, WIDER * scale)
     energy = np.sqrt(blurred(detail * detail, NEIGHBOURHOOD))
-    found = np.tanh(detail / (energy + np.float32(FAINT * energy.mean() + LEAST_ENERGY)))
+    mean = float((energy if seen is None or not seen.any() else energy[seen]).mean())
+    found = np.tanh(detail / (energy + np.float32(FAINT * mean + LEAST_ENERGY)))
     found[energy < LEAST_ENERGY] = 0
     return np.asarray(found)
 
