@@ -147,15 +147,16 @@ def described(outcomes: dict[str, list[Outcome]]) -> str:
     for group, some in outcomes.items():
         found = [one.calibrated for one in some if one.calibrated]
         worst, alarms = min(one.identified for one in found), np.mean([one.fpir.value for one in found])
+        measured = np.mean([one.identified for one in some])
         parts.append(
             f"people {group}: identified {100 * mean_identified(some):.2f} % (worst split {100 * worst:.1f}) at "
-            f"{100 * alarms:.2f} % false alarms; at 1 % as measured {100 * np.mean([one.identified for one in some]):.2f} %"
+            f"{100 * alarms:.2f} % false alarms; at 1 % as measured {100 * measured:.2f} %"
         )
     return "; ".join(parts)
 
 
 def peer(name: str, faces: Sequence[YalePerson], count: int) -> Record:
-    """Search with a method that has distances only, at the threshold that the strangers themselves set: in its favour."""
+    """Search with a method that has distances only, at the threshold that strangers themselves set, in its favour."""
     method = ClassifierContender(name)
     method.enroll(enrolled_people(faces, "subset1"))
     distances, people, times = [], [], []

@@ -14,6 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import storage
 from harmonicface.gallery.calibration import Calibration, calibration
 from harmonicface.gallery.enrolment import MOST_ROWS, WITH_GEOMETRY, Model, enrolment_of
+from harmonicface.gallery.explanation import Evidence, named, unknown
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
 from harmonicface.gallery.names import checked_name
@@ -359,6 +360,7 @@ class Gallery:
         distance, best = ranked[0]
         margin = _ratio(ranked[1][0], distance) if len(ranked) > 1 else 1.0
         names, known = self.names, self.is_known(distance, margin)
+        reason = None if known else "nobody is near, or clearly nearer than the next"
         return Match(
             name=names[best] if known else None,
             distance=distance,
@@ -368,7 +370,8 @@ class Gallery:
                 Candidate(names[index], value, source=self._sources[names[index]]) for value, index in ranked[:count]
             ),
             domain=INTENSITIES,
-            reason=None if known else "nobody is near, or clearly nearer than the next",
+            reason=reason,
+            evidence=self._evidence(best, pixels, good, (0.0, 0.0), distance, reason),
         )
 
     def _looked(self, pixels: Floats, good: NDArray[np.bool_], count: int) -> Match:
@@ -397,6 +400,31 @@ class Gallery:
             candidates=tuple(candidates[:count]),
             domain=PATTERNS,
             reason=reason,
+            evidence=self._evidence(int(chosen[order[0]]), pixels, good, first.shift, first.score or 0.0, reason),
+        )
+
+    def _evidence(
+        self,
+        index: int,
+        pixels: Floats,
+        good: NDArray[np.bool_],
+        shift: tuple[float, float],
+        value: float,
+        reason: str | None,
+    ) -> Evidence:
+        """Return what `Match.explain` needs."""
+        assert self._frame is not None
+        name = self.names[index]
+        said = (name, None if self._looks and len(self) == 1 else value, self.threshold, self._looks)
+        return Evidence(
+            frame=self._frame,
+            pixels=pixels,
+            good=good,
+            subspace=self._stack.subspace(index),
+            shift=(round(shift[0]), round(shift[1])),
+            geometry=self._sources[name] in WITH_GEOMETRY,
+            ambient=self.model != "linear3",
+            reason=named(*said) if reason is None else unknown(*said, reason),
         )
 
     def _photograph(self, pixels: Floats, good: NDArray[np.bool_]) -> Photograph:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.explanation import Evidence, Explanation
 from harmonicface.lighting.light import HarmonicLight
 
 INTENSITIES, PATTERNS = "intensities", "patterns"  # what is compared
@@ -62,6 +65,8 @@ class Match:
         What is compared: "intensities", or "patterns" (the default model).
     reason
         Why nobody is named; None if somebody is.
+    evidence
+        The photograph and the first candidate's pictures, for `explain`.
     """
 
     name: str | None
@@ -71,6 +76,31 @@ class Match:
     candidates: tuple[Candidate, ...]
     domain: str = INTENSITIES
     reason: str | None = None
+    evidence: Evidence | None = field(default=None, repr=False, compare=False)
+
+    def explain(self) -> Explanation:
+        """Return what the first candidate accounts for in the photograph, what is left out, and why.
+
+        It is computed when first asked for, by a fit that leaves out what hides her (`robust_fit`), and takes longer
+        than a match with few people.
+
+        Raises
+        ------
+        HarmonicFaceError
+            A match that was not made by a gallery; photographs of fewer than 24 pixels a side.
+        """
+        return self._explanation
+
+    @property
+    def left_out(self) -> NDArray[np.bool_]:
+        """The pixels of the photograph that the explanation leaves out, (h, w); see `explain`."""
+        return self._explanation.left_out
+
+    @cached_property
+    def _explanation(self) -> Explanation:
+        if self.evidence is None:
+            raise HarmonicFaceError("explain: expected a match that a gallery made, got one made by hand")
+        return self.evidence.explanation()
 
     @property
     def source(self) -> str:

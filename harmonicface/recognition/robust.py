@@ -124,7 +124,7 @@ def robust_fit(photo: ArrayLike, images: ArrayLike, mask: ArrayLike | None = Non
         raise HarmonicFaceError("photo: expected some light in it that is not burnt out, got none")
     weights = _weights(light, small.reshape(len(small), -1), good, rounds)
     coefficients = _solve(light, small.reshape(len(small), -1), weights)
-    full = _enlarged(weights, pixels.shape) * usable
+    full = enlarged(weights, pixels.shape) * usable
     picture = np.tensordot(coefficients.astype(np.float32), pictures, 1)
     residual = np.where(seen, pixels - picture, 0).astype(np.float32)
     kept = seen & (full >= 0.5)
@@ -239,8 +239,8 @@ def _solve(light: Picture, rows: Picture, weights: Picture) -> NDArray[np.float6
     )
 
 
-def _enlarged(weights: Picture, shape: tuple[int, ...]) -> Picture:
-    """Return weights of the grid at the size of the photograph."""
+def enlarged(weights: Picture, shape: tuple[int, ...]) -> Picture:
+    """Return weights of the grid at the size of a photograph."""
     if weights.shape == shape:
         return weights
     return np.asarray(cv2.resize(weights, (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR))
