@@ -13,6 +13,7 @@ from PIL import Image
 
 from harmonicface._memory import require
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.io._reasons import reason_of
 
 JSON_CHUNK = b"JSON"
 COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
@@ -49,7 +50,7 @@ def glb_complaint(data: bytes) -> str:
     except HarmonicFaceError:
         raise
     except Exception as error:  # whatever corrupt JSON makes of itself
-        return f"expected a whole GLB file, got one cut short or corrupt: {type(error).__name__}"
+        return f"expected a whole GLB file, got one cut short or corrupt{reason_of(error)}"
 
 
 def _accessor_complaint(document: dict[str, Any], accessor: dict[str, Any]) -> str:
@@ -126,5 +127,5 @@ def check_glb_textures(data: bytes, folder: Path) -> None:
                 pass
         except Exception as error:  # Pillow raises whatever it likes
             name = picture.get("uri", picture.get("name", "inside the file"))
-            reason = getattr(error, "strerror", None) or type(error).__name__
+            reason = getattr(error, "strerror", None) or "one that cannot be opened"
             raise HarmonicFaceError(f"expected a picture as the texture {name!s:.100}, got {reason}") from None

@@ -42,7 +42,7 @@ def check_textures(file: Path, data: bytes) -> None:
             with Image.open(beside):
                 pass
         except Exception as error:  # Pillow raises whatever it likes
-            reason = getattr(error, "strerror", None) or type(error).__name__
+            reason = getattr(error, "strerror", None) or "one that cannot be opened"
             raise HarmonicFaceError(f"expected a picture as the texture {beside.name:.100}, got {reason}") from None
 
 

@@ -19,6 +19,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.io._glb import prepared_glb
 from harmonicface.io._mesh_bytes import check_bytes
 from harmonicface.io._mesh_colours import check_textures, read_colours
+from harmonicface.io._reasons import reason_of
 from harmonicface.io.images import read_image
 from harmonicface.io.vertex_normals import vertex_normals
 
@@ -151,9 +152,8 @@ def _parts(file: Path, data: bytes, *, textures: bool) -> list[_Part]:
     except HarmonicFaceError as error:
         raise HarmonicFaceError(f"{file}: {error}") from None
     except Exception as error:  # the parsers raise whatever they stumble over
-        reason = str(error).strip().splitlines()[0][:200] if str(error).strip() else "no reason given"
         raise HarmonicFaceError(
-            f"{file}: expected a whole mesh, got one cut short or corrupt: {type(error).__name__}: {reason}"
+            f"{file}: expected a whole mesh, got one cut short or corrupt{reason_of(error)}"
         ) from None
 
 
@@ -211,7 +211,8 @@ def _normals(vertices: Doubles, faces: NDArray[np.int64], given: Doubles | None)
 
 def _check(vertices: Doubles, faces: NDArray[np.int64]) -> None:
     if not np.isfinite(vertices).all():
-        raise HarmonicFaceError(f"expected finite vertices, got {int((~np.isfinite(vertices)).any(axis=1).sum())} NaN")
+        count = int((~np.isfinite(vertices)).any(axis=1).sum())
+        raise HarmonicFaceError(f"expected finite vertices, got {count} NaN or infinite of {len(vertices)}")
     if np.abs(vertices).max(initial=0.0) > LARGEST:
         raise HarmonicFaceError(f"expected vertices within {LARGEST:g}, got {np.abs(vertices).max():.3g}")
     if faces.ndim != 2 or faces.shape[1] != 3 or faces.min() < 0 or faces.max() >= len(vertices):

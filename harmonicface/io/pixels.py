@@ -17,6 +17,7 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.io._reasons import reason_of
 from harmonicface.io.exr import exr_pixels
 from harmonicface.io.radiance import radiance_exposure
 
@@ -70,8 +71,8 @@ def read_pixels(path: str | os.PathLike[str]) -> Pixels:
     except HarmonicFaceError as error:
         raise HarmonicFaceError(f"{file}: {error}") from None
     except Exception as error:  # decoders raise whatever they like on bad files: struct, zlib, even memory errors
-        reason = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
-        raise HarmonicFaceError(f"{file}: expected a whole image, got one cut short or corrupt: {reason}") from None
+        reason = f": {error}" if isinstance(error, OSError) else reason_of(error)
+        raise HarmonicFaceError(f"{file}: expected a whole image, got one cut short or corrupt{reason}") from None
     return pixels
 
 

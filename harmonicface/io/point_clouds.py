@@ -17,6 +17,7 @@ from harmonicface import _validate
 from harmonicface._memory import require
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io._mesh_bytes import ply_complaint, ply_counts
+from harmonicface.io._reasons import reason_of
 from harmonicface.io.images import linear_pixels
 
 ENDINGS = (".ply", ".xyz", ".npy")
@@ -97,8 +98,9 @@ def read_point_cloud(path: str | os.PathLike[str]) -> PointCloud:
         message = str(error)
         raise HarmonicFaceError(message if message.startswith(str(file)) else f"{file}: {message}") from None
     except Exception as error:  # the parsers raise whatever they stumble over
-        reason = str(error).strip().splitlines()[0][:200] if str(error).strip() else type(error).__name__
-        raise HarmonicFaceError(f"{file}: expected a point cloud, got one cut short or corrupt: {reason}") from None
+        raise HarmonicFaceError(
+            f"{file}: expected a point cloud, got one cut short or corrupt{reason_of(error)}"
+        ) from None
 
 
 def is_point_cloud(path: str | os.PathLike[str]) -> bool:
@@ -147,6 +149,8 @@ def _from_ply(data: bytes, file: Path) -> tuple[Doubles, Doubles | None]:
 
 def _from_table(data: bytes, ending: str) -> tuple[Doubles, Doubles | None]:
     """Return the six columns of a table, and the colours behind them, 0 to 1."""
+    if not data.strip():
+        raise HarmonicFaceError("expected a table of points, got an empty file")
     if ending == ".npy":
         table = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
     else:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.io._reasons import reason_of
 
 
 def read_archive(file: Path) -> dict[str, NDArray[Any]]:
@@ -24,6 +25,6 @@ def read_archive(file: Path) -> dict[str, NDArray[Any]]:
     except FileNotFoundError:
         raise HarmonicFaceError(f"expected a saved Surface, got no file {file}") from None
     except Exception as error:  # of a broken archive zipfile and numpy raise nearly anything
-        reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
-        raise HarmonicFaceError(f"{file}: expected a saved Surface, got a file that is none: {reason}") from None
+        reason = f": {error}" if isinstance(error, zipfile.BadZipFile) else reason_of(error)
+        raise HarmonicFaceError(f"{file}: expected a saved Surface, got a file that is none{reason}") from None
     return found

@@ -97,7 +97,8 @@ def surface_from_depth(
     if pixel_size is not None:
         raise HarmonicFaceError(f"pixel_size: expected none beside intrinsics, got {pixel_size!r}")
     rise = _checked_rise(STEEPEST if steepest is None else steepest)
-    return _of_a_pinhole(heights, inside, reflectances, checked_intrinsics(intrinsics), rise)
+    numbers = checked_intrinsics(intrinsics, (inside.shape[0], inside.shape[1]))
+    return _of_a_pinhole(heights, inside, reflectances, numbers, rise)
 
 
 def _of_a_pinhole(heights: Floats, inside: Mask, albedo: Floats, intrinsics: Intrinsics, rise: float) -> Surface:

@@ -90,9 +90,10 @@ def load_surface(
     }
     if ending == ".npz":
         given = _given({"size": size, "rotation": rotation, "frame": frame, **of_meshes})
+        saved = Surface.load(file)  # a file that is none is the graver fault
         if given:
             raise HarmonicFaceError(f"{file}: expected no view of a saved Surface, got {given}")
-        return Surface.load(file)
+        return saved
     if is_point_cloud(file):
         if given := _given(of_meshes):
             raise HarmonicFaceError(f"{file}: expected size, rotation and frame of points at most, got {given}")

@@ -11,7 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.surfaces.view import View, checked_shape, rotation_matrix
+from harmonicface.surfaces.view import SMALLEST_PIXEL, View, checked_shape, rotation_matrix
+
+FARTHEST_AXIS = 100.0  # sizes of the picture between the picture and where the axis meets its plane
+SHORTEST_FOCUS = 1e-3  # pixels: all of them within a thousandth of 180 degrees
 
 Intrinsics = tuple[float, float, float, float]
 
@@ -89,7 +92,7 @@ class PerspectiveView:
             picture's border or passes beside it, so that no distance shows everything.
         """
         shape = checked_shape(size)
-        numbers = checked_intrinsics(intrinsics)
+        numbers = checked_intrinsics(intrinsics, shape)
         turn = rotation_matrix(rotation)
         turned = _validate.vectors(points, "points") @ turn.T
         if turned.size == 0:
@@ -98,6 +101,8 @@ class PerspectiveView:
         if distance is None:
             distance = _showing_all(turned - middle, numbers, shape)
         away = _validate.positive(distance, "distance")
+        if away < SMALLEST_PIXEL:
+            raise HarmonicFaceError(f"distance: expected at least {SMALLEST_PIXEL:g} world units, got {away:.3g}")
         return cls(turn, middle + np.array([0.0, 0.0, away]), numbers, shape, away)
 
     @property
@@ -173,17 +178,18 @@ def rays(intrinsics: Intrinsics, shape: tuple[int, int]) -> NDArray[np.float64]:
     return result + 0.0
 
 
-def checked_intrinsics(intrinsics: Sequence[float]) -> Intrinsics:
-    """Return (fx, fy, cx, cy) as floats, both focal lengths above 0.
+def checked_intrinsics(intrinsics: Sequence[float], shape: tuple[int, int]) -> Intrinsics:
+    """Return (fx, fy, cx, cy) as floats, of a camera that may have taken a picture of this height and width.
 
     Raises
     ------
     HarmonicFaceError
-        Anything but four finite numbers with fx and fy above 0.
+        Anything but four finite numbers with fx and fy at least 1e-3 pixels, and the axis within 100 sizes of the
+        picture.
 
     Examples
     --------
-    >>> checked_intrinsics([100, 100, 32, 32])
+    >>> checked_intrinsics([100, 100, 32, 32], (64, 64))
     (100.0, 100.0, 32.0, 32.0)
     """
     numbers = _validate.finite(intrinsics, "intrinsics")
@@ -193,6 +199,15 @@ def checked_intrinsics(intrinsics: Sequence[float]) -> Intrinsics:
     fx, fy, cx, cy = (float(number) for number in numbers)
     if not (fx > 0 and fy > 0):
         raise HarmonicFaceError(f"intrinsics: expected focal lengths above 0, got fx = {fx:.6g}, fy = {fy:.6g}")
+    if min(fx, fy) < SHORTEST_FOCUS:
+        raise HarmonicFaceError(
+            f"intrinsics: expected focal lengths of at least {SHORTEST_FOCUS:g} pixels, got {fx:.6g} and {fy:.6g}"
+        )
+    if max(abs(cx) / shape[1], abs(cy) / shape[0]) > FARTHEST_AXIS:
+        raise HarmonicFaceError(
+            f"intrinsics: expected (cx, cy) within {FARTHEST_AXIS:g} sizes of the picture of {shape[1]} x {shape[0]} "
+            f"pixels, got ({cx:.6g}, {cy:.6g})"
+        )
     return fx, fy, cx, cy
 
 

@@ -16,6 +16,7 @@ from harmonicface.errors import HarmonicFaceError
 
 Frame = tuple[float, float, float, float]
 SMALLEST_FRAME = 1e-9  # of its distance from the origin
+SMALLEST_PIXEL = 1e-60  # world units; far below it the squares of areas are 0
 MOST_PIXELS = 1 << 14  # a side
 
 
@@ -83,6 +84,11 @@ class View:
         turned = _validate.vectors(points, "points") @ turn.T
         x0, y0, x1, y1 = _bounding_box(turned) if frame is None else _checked_frame(frame)
         pixel_size = max((x1 - x0) / shape[1], (y1 - y0) / shape[0])
+        if pixel_size < SMALLEST_PIXEL:
+            what = "points" if frame is None else "frame"
+            raise HarmonicFaceError(
+                f"{what}: expected pixels of at least {SMALLEST_PIXEL:g} world units, got {pixel_size:.3g}"
+            )
         half_width, half_height = pixel_size * shape[1] / 2, pixel_size * shape[0] / 2
         x, y = (x0 + x1) / 2, (y0 + y1) / 2
         return cls(turn, (x - half_width, y - half_height, x + half_width, y + half_height), shape)

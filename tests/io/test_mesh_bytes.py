@@ -111,7 +111,7 @@ def test_a_glb_that_needs_what_is_not_understood_is_refused(tmp_path, ball):
     ],
 )
 def test_json_of_another_form_is_refused(tmp_path, ball, change):
-    refused(tmp_path, "a.glb", changed_glb(ball, change), "cut short or corrupt: [A-Z]")
+    refused(tmp_path, "a.glb", changed_glb(ball, change), "cut short or corrupt(: its JSON cannot be read)?$")
 
 
 def test_texture_coordinates_have_two_numbers(tmp_path, ball):
@@ -127,10 +127,15 @@ def test_texture_coordinates_have_two_numbers(tmp_path, ball):
 def test_json_that_is_none_is_refused(tmp_path, ball):
     data = bytearray(ball.export(file_type="glb"))
     data[20:24] = b"]]]]"
-    refused(tmp_path, "a.glb", bytes(data), "expected a whole GLB file, got one cut short or corrupt: JSONDecodeError")
+    refused(
+        tmp_path,
+        "a.glb",
+        bytes(data),
+        "expected a whole GLB file, got one cut short or corrupt: its JSON cannot be read",
+    )
     words = b"[]  "
     body = struct.pack("<I", 4) + b"JSON" + words
-    refused(tmp_path, "a.glb", b"glTF" + struct.pack("<II", 2, 24) + body, "corrupt: ValueError")
+    refused(tmp_path, "a.glb", b"glTF" + struct.pack("<II", 2, 24) + body, "corrupt: the JSON is no object")
     refused(tmp_path, "a.glb", b"glTF" + struct.pack("<II", 2, 20) + b"\0" * 8, "'glTF' and JSON")
 
 

@@ -160,10 +160,10 @@ def test_a_texture_of_floats_with_nan_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("picture", "message"),
     [
-        (b"no picture at all", "texture inside the file, got UnidentifiedImageError"),
-        (b"", "texture inside the file, got UnidentifiedImageError"),
+        (b"no picture at all", "texture inside the file, got one that cannot be opened"),
+        (b"", "texture inside the file, got one that cannot be opened"),
         ({"uri": "gone.png"}, r"texture gone\.png, got No such file"),
-        ({"name": "skin"}, "texture skin, got KeyError"),
+        ({"name": "skin"}, "texture skin, got one that cannot be opened"),
     ],
 )
 def test_a_glb_without_its_texture_is_refused(tmp_path, picture, message):
@@ -186,7 +186,7 @@ def test_an_obj_without_its_texture_is_refused_unless_another_is_given(tmp_path)
     (tmp_path / "map.png").write_bytes(png(Image.fromarray(PICTURE)))
     assert len(read_mesh(tmp_path / "a.obj", texture=tmp_path / "map.png").textures) == 1
     (tmp_path / "gone.png").write_bytes(b"broken")
-    with pytest.raises(HarmonicFaceError, match=r"texture gone\.png, got UnidentifiedImageError"):
+    with pytest.raises(HarmonicFaceError, match=r"texture gone\.png, got one that cannot be opened"):
         read_mesh(tmp_path / "a.obj")
     (tmp_path / "gone.png").write_bytes(png(Image.fromarray(PICTURE)))
     np.testing.assert_allclose(read_mesh(tmp_path / "a.obj").textures[0], srgb_to_linear(PICTURE / 255), atol=1e-6)

@@ -85,7 +85,8 @@ ROW = "0 0 0 0 0 1"
     ("name", "content", "message"),
     [
         ("a.txt", ROW, r"expected a point cloud \(\.ply \.xyz \.npy\), got '\.txt'"),
-        ("a.xyz", "", "cut short or corrupt"),
+        ("a.xyz", "", "expected a table of points, got an empty file$"),
+        ("a.xyz", "# none\n", "cut short or corrupt$"),
         ("a.xyz", "0 0 0\n1 1 1\n", "expected rows of x y z nx ny nz"),
         ("a.xyz", f"{ROW}\n0 0 0 0 1\n", "cut short or corrupt"),
         ("a.xyz", f"{ROW}\n0 0 0 zero 0 1\n", "cut short or corrupt"),

@@ -57,6 +57,10 @@ def test_a_saved_surface_is_loaded_as_it_is(ball, tmp_path):
     ],
 )
 def test_a_saved_surface_has_no_other_view(tmp_path, arguments):
+    (tmp_path / "junk.npz").write_bytes(b"junk")
+    with pytest.raises(HarmonicFaceError, match="expected a saved Surface, got a file that is none"):
+        load_surface(tmp_path / "junk.npz", **arguments)
+    Surface(np.tile([0.0, 0.0, 1.0], (2, 2, 1)), np.ones((2, 2))).save(tmp_path / "a.npz")
     with pytest.raises(HarmonicFaceError, match=f"expected no view of a saved Surface, got {next(iter(arguments))}"):
         load_surface(tmp_path / "a.npz", **arguments)
 

@@ -185,6 +185,12 @@ def test_what_lies_behind_the_camera_is_not_seen():
         ({"intrinsics": (60, 60, 8)}, r"intrinsics: expected \(fx, fy, cx, cy\) in pixels"),
         ({"intrinsics": (0, 60, 8, 8)}, "intrinsics: expected focal lengths above 0, got fx = 0"),
         ({"intrinsics": (60, -1, 8, 8)}, "intrinsics: expected focal lengths above 0"),
+        ({"intrinsics": (1e-9, 1e-9, 8, 8)}, "intrinsics: expected focal lengths of at least 0.001 pixels, got 1e-09"),
+        ({"intrinsics": (60, 60, 8, -1e9)}, r"intrinsics: expected \(cx, cy\) within 100 sizes of the picture of"),
+        (
+            {"intrinsics": (60, 60, 8, 8), "distance": 1e-300},
+            "distance: expected at least 1e-60 world units, got 1e-300",
+        ),
         ({"intrinsics": (60, np.nan, 8, 8)}, "intrinsics: expected finite"),
         ({"intrinsics": "wide"}, "intrinsics: expected an array of real numbers"),
         ({"intrinsics": (60, 60, 99, 8)}, "distance: expected one"),

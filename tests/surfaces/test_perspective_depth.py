@@ -110,6 +110,12 @@ LONELY[2, 2] = LONELY[2, 3] = LONELY[3, 2] = -1.0
         (np.ones((4, 4)), {}, "depth: expected z below 0 before the camera .*, got 16 pixels of at least 0"),
         (-np.ones((4, 4)), {"pixel_size": 1.0}, "pixel_size: expected none beside intrinsics"),
         (-np.ones((4, 4)), {"intrinsics": (0, 1, 2, 2)}, "intrinsics: expected focal lengths above 0"),
+        (-np.ones((4, 4)), {"intrinsics": (1, 1, 1e9, 1e9)}, r"intrinsics: expected .cx, cy. within 100 sizes of"),
+        (
+            -np.ones((4, 4)),
+            {"intrinsics": (1e-9, 1e-9, 4, 4)},
+            r"intrinsics: expected focal lengths of at least 0\.001",
+        ),
         (-np.ones((4, 4)), {"intrinsics": (1, 1, 2)}, "intrinsics: expected .fx, fy, cx, cy."),
         (np.full((4, 4), np.nan), {}, "mask: expected at least one pixel"),
         (np.full((4, 4), -np.inf), {}, "got infinity"),

@@ -73,6 +73,7 @@ def test_everything_is_in_the_picture_and_fills_it(rotation, height, width):
         ({"frame": (0, 0, 1)}, "frame: expected"),
         ({"frame": (1, 0, 0, 1)}, "frame: expected x0 < x1"),
         ({"frame": (0, 1, 1, 1)}, "frame: expected x0 < x1"),
+        ({"frame": (0, 0, 1e-300, 1e-300)}, "frame: expected pixels of at least 1e-60 world units, got 1.5"),
     ],
 )
 def test_bad_views_are_refused(arguments, message):
@@ -83,5 +84,7 @@ def test_bad_views_are_refused(arguments, message):
 def test_points_that_cannot_be_framed_are_refused():
     with pytest.raises(HarmonicFaceError, match="expected some extent"):
         View.fit(np.zeros((4, 3)))
+    with pytest.raises(HarmonicFaceError, match=r"points: expected pixels of at least 1e-60 .* got 6\.25e-302"):
+        View.fit(BOX * 1e-300)
     with pytest.raises(HarmonicFaceError, match="expected at least one, got none"):
         View.fit(np.zeros((0, 3)))
