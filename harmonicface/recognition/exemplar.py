@@ -17,7 +17,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.people.prior import FacePrior, synthetic_prior
-from harmonicface.recognition.placement import checked_photo, filled, place_face
+from harmonicface.recognition.face_placement import checked_photo, filled, place_face
 from harmonicface.reflectance.filters import lambertian_filter
 from harmonicface.stereo.motion import Matrix, checked_motion
 from harmonicface.surfaces.surface import Surface
@@ -171,7 +171,7 @@ def _in_prior(
 def _most_probable(photo: Array, prior: FacePrior, shown: NDArray[np.bool_]) -> tuple[Array, Array, float]:
     """Return coefficients of the modes, light and noise, for the pixels of the prior that a photograph shows."""
     mean = prior.mean[:, shown].astype(np.float64)
-    modes = prior.modes[:, :, shown]
+    modes = np.ascontiguousarray(prior.modes[:, :, shown])  # an index leaves the pixels far apart in memory
     directions = np.asarray(real_harmonics(fibonacci_sphere(LAMPS), 2), np.float64)
     unit = float(np.sqrt((photo**2).mean()))
     target = photo / unit
