@@ -22,7 +22,7 @@ USUAL_CLOSENESS = 0.12
 NEAREST = 1e-3  # of distances, which rounding does not let be 0
 AT_REST = (0, 0)
 FEWEST_BLOCKS = 4  # with detail in them: fewer tell nothing
-LEAST_LIKENESS = 0.5  # to the template, of who is named in a gallery of one; strangers reach 0.25 on real photographs
+LEAST_LIKENESS = 0.5  # to the template, of who is named in a gallery of one: strangers of 64 pixels reach 0.45, of 96 rows 0.35
 
 
 @dataclass(frozen=True, eq=False)
