@@ -378,7 +378,10 @@ def test_unknown_names(gallery: hf.Gallery) -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"model": "magic"}, "model: expected one of default, linear3, ambient4, harmonic9, harmonic_shadowed, got 'magic'"),
+        (
+            {"model": "magic"},
+            "model: expected one of default, linear3, ambient4, harmonic9, harmonic_shadowed, got 'magic'",
+        ),
         ({"model": "harmonic9", "threshold": -0.1}, "threshold: expected a number from 0 to 1, got -0.1"),
         ({"model": "harmonic9", "threshold": "high"}, "threshold: expected a number from 0 to 1, got str 'high'"),
         ({"threshold": 0}, "threshold: expected a finite number above 0, got 0"),
