@@ -1,192 +1,317 @@
-"""Placement: where a face is in a photograph that was cropped in an unknown way, without landmarks."""
+"""Placement: by which shift, turn and growth a photograph shows people, found by the votes of their blocks."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import binary_erosion
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
-from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.lighting.lights import directional
-from harmonicface.people.prior import FacePrior
-from harmonicface.stereo.motion import Matrix, then
+from harmonicface.recognition.blocks import BLOCK, block_grid, known_blocks
+from harmonicface.recognition.blocks import REACH as SEARCHED
+from harmonicface.recognition.patterns import Pattern, Template
+from harmonicface.stereo.motion import Matrix
 
-Picture = NDArray[np.float32]
+REACH = 10  # pixels of the grid by which a block may be displaced
+SIDE = 2 * REACH + 1
+NEARBY = 4
+TURNS = np.radians(np.arange(-6, 7, 2))  # of the trials; what is between them is found by the blocks' own places
+GROWTHS = np.arange(-6, 7, 2) / 100
+SHIFTS = np.arange(-8, 9, 2)  # each block is free by a pixel around a trial
+CHARGE = 0.003  # of correlation, for a pixel by which blocks are displaced in the mean
+PRIOR = (0.1, 0.1, 8.0, 8.0)  # usual turn, growth and shifts: what they are where blocks tell little
+ROUNDS = 3
+FLOOR = 0.1  # of correlation: blocks with less tell nothing of their place
+AGREEING = 1.0  # pixel: blocks that are farther from where the others put them count less
+TINY = 1e-6
 
-SMALLEST = 16  # pixels a side
-SCALES = np.geomspace(0.75, 4 / 3, 17)  # of the photograph's height over the prior's, 3.7 % apart
-ROWS = 48  # at which patterns are compared
-USUAL_SCALE, USUAL_SHIFT = 0.15, 0.1  # deviations from the frame as it is: natural logarithm, share of the height
-CAUTION = 0.1  # correlation that a deviation of one costs
-PADDING = 0.25  # of the height: how far the face may reach beyond the picture
-FINE, WIDER = 2.0 / 96, 2.0  # of the height; the second Gaussian over the first
-NEIGHBOURHOOD = 3.0  # over the first
-DARK, FAINT = 0.03, 0.1
-RIM = 6 / 96  # of the height: the outline of a head belongs to what is behind it
-FACES = 12  # drawn from the prior; under each light their patterns are averaged
-LAMPS = ((0, 0, 1), (-0.8, 0, 0.6), (0.8, 0, 0.6), (0, 0.8, 0.6), (0, -0.5, 0.8), (-0.6, 0.6, 0.6), (0.6, 0.6, 0.6))
-AMBIENT = 0.5  # of the constant harmonic, beside a lamp of strength 1
-ROWS_OF_LIGHT = 4  # principal directions of those averages: what light does to the pattern
-LEAST_ENERGY = 0.3  # of the photograph's mean: windows that hold little do not correlate by chance
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """How a photograph shows a person displaced, turned and grown about the middle of the picture.
+
+    Parameters
+    ----------
+    right, down
+        Pixels.
+    turn
+        Degrees clockwise.
+    growth
+        0.05 for five percent larger.
+    """
+
+    right: float = 0.0
+    down: float = 0.0
+    turn: float = 0.0
+    growth: float = 0.0
+
+    def motion(self, shape: tuple[int, ...]) -> Matrix:
+        """Return the (2, 3) motion from pixels of the person's frame, of this shape, to those of the photograph.
+
+        Examples
+        --------
+        >>> Placement(right=3).motion((96, 84)).tolist()
+        [[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]
+        """
+        angle = np.radians(self.turn)
+        linear = (1 + self.growth) * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        centre = (np.array(shape[:-3:-1]) - 1) / 2
+        return np.column_stack([linear, centre - linear @ centre + [self.right, self.down]]) + 0.0
+
+    @classmethod
+    def of(cls, motion: Matrix, shape: tuple[int, ...]) -> Placement:
+        """Return the placement whose `motion` this is.
+
+        Examples
+        --------
+        >>> Placement.of(Placement(1, 2, 3, 0.25).motion((96, 84)), (96, 84))
+        Placement(right=1.0, down=2.0, turn=3.0, growth=0.25)
+        """
+        centre = (np.array(shape[:-3:-1]) - 1) / 2
+        right, down = (motion @ [*centre, 1.0] - centre).round(9)
+        turn, size = np.degrees(np.arctan2(motion[1, 0], motion[0, 0])), np.hypot(motion[0, 0], motion[1, 0])
+        return cls(float(right), float(down), float(turn.round(9)), float(size.round(9) - 1))
+
+    def scaled(self, factor: float) -> Placement:
+        """Return the same placement in pixels that are smaller by a factor."""
+        return Placement(factor * self.right, factor * self.down, self.turn, self.growth)
 
 
 @dataclass(frozen=True, eq=False)
-class Placement:
-    """Where the prior's face is in a photograph.
+class Placed:
+    """Where a person is found.
 
     Parameters
     ----------
-    motion
-        (2, 3), from pixel coordinates (x to the right, y down) of the prior to those of the photograph: a scale and a
-        shift.
-    correlation
-        Of the photograph's pattern there with those of the prior's faces under the light that suits best, 0 to 1.
+    placement
+        In pixels of the grid.
+    votes
+        The mean correlation of blocks there, each free by a pixel, less what the displacement is charged.
+    gain
+        By how much this is more than shifts alone reach that `similarity` tries too; 0 if one of those is the best.
     """
 
-    motion: Matrix
-    correlation: float
+    placement: Placement
+    votes: float
+    gain: float
 
 
-def place_face(photo: ArrayLike, prior: FacePrior) -> Placement:
-    """Find a face by scale and shift, by the pattern that all faces share: brows, eyes, nostrils, mouth.
+def placed(query: Pattern, templates: Sequence[Template]) -> list[Placed]:
+    r"""Find where a photograph shows each of a few people, whatever its light.
 
-    The pattern is the detail of the logarithm over its local energy. What light still does to it is eliminated: the
-    patterns of the prior's faces under seven lamps are spanned by four rows, and a window counts by its share in that
-    span. It is searched for at 17 scales and all shifts; the more unusual a crop, the better it has to fit.
+    Each 12 x 12 block of a template is correlated with the photograph's patterns at all displacements up to 10 pixels,
+    and votes for all motions that put it there. With c_b the correlation of block b at the middle x_b, free by a pixel,
+    and u its displacement by a motion, the motion with the most votes is
 
-    Of 30 synthetic people under natural light, cropped as the prior, 0.7 and 1.0 pixels of 96 rows were missed across
-    and up, root mean square, and 2.7 % of the scale. Photographs of one person of Yale B agree to a pixel.
+    .. math:: \max_m \frac{1}{n} \sum_b c_b(u_m(x_b)) - \kappa |u_m|
+
+    over turns and growths of up to 6 degrees and percent and shifts of up to 8 pixels; the charge is the logarithm of a
+    prior by which people move little. Then each block's own best place about it, to a fraction of a pixel, gives the
+    similarity that fits them best, by least squares in which blocks that correlate more count more and those that
+    disagree with the others less.
 
     Parameters
     ----------
-    photo
-        (h, w) linear intensities of a face, cropped about as the prior's: 0.75 to 1.33 times as large.
-    prior
-        Whose mean face is searched for.
+    query
+        (3, h, w) `patterns` of the photograph.
+    templates
+        Of whom to find, on the same (h, w).
 
     Raises
     ------
     HarmonicFaceError
-        Another shape, fewer than 16 pixels a side, NaN, a photograph without contrast.
+        Another shape.
 
     Examples
     --------
-    >>> from harmonicface.people.prior import synthetic_prior
-    >>> from harmonicface.people.synthetic import synthetic_person
-    >>> face = synthetic_person(5, (192, 168)).albedo
-    >>> place_face(face, synthetic_prior((48, 42), 20)).motion.shape
-    (2, 3)
+    >>> from harmonicface.recognition.patterns import patterns
+    >>> face = np.random.default_rng(0).uniform(0.1, 1, (48, 48))
+    >>> found = placed(patterns(np.roll(face, 7, axis=1)), [Template.of([patterns(face)])])
+    >>> round(found[0].placement.right), round(found[0].placement.down), found[0].gain > 0
+    (7, 0, True)
     """
-    pixels = checked_photo(photo)
-    templates, inside = _templates(prior)
-    rows, columns = inside.shape
-    best, found = -np.inf, Placement(np.eye(2, 3), 0.0)
-    for scale in SCALES:
-        height, width = round(rows * scale), round(rows * scale * pixels.shape[1] / pixels.shape[0])
-        pattern = _pattern(resized(pixels, (height, width)), rows)
-        correlation, top, left = _correlations(pattern, templates, inside)
-        right, down = left + (columns - width) / 2, top + (rows - height) / 2
-        unusual = (np.log(scale) / USUAL_SCALE) ** 2 + (np.hypot(right, down) / (USUAL_SHIFT * rows)) ** 2
-        score = correlation - CAUTION * unusual
-        row, column = np.unravel_index(score.argmax(), score.shape)
-        if score[row, column] > best:
-            best = float(score[row, column])
-            growth = np.array([pixels.shape[1] / width, pixels.shape[0] / height])
-            corner = (np.array([left[0, column], top[row, 0]]) + 0.5) * growth - 0.5
-            found = Placement(np.column_stack([np.diag(growth), corner]), float(correlation[row, column]))
-    shrink = np.array([columns / prior.shape[1], rows / prior.shape[0]])  # from the prior's pixels to those compared
-    to_compared = np.column_stack([np.diag(shrink), (shrink - 1) / 2])
-    return Placement(then(to_compared, found.motion), found.correlation)
+    for template in templates:
+        _check(query, template)
+    if not templates:
+        return []
+    flat = query.sum(axis=0)
+    blocks = _blocks(flat, templates)
+    maps = _maps(flat, blocks, REACH)
+    trials = _trials(flat.shape)
+    shared = np.maximum(blocks.any(axis=2).sum(axis=0), 1)
+    votes = _votes(maps, trials) / shared[:, None] - CHARGE * trials.displacements
+    middles = _middles(flat.shape)
+    found = []
+    for one, person in zip(votes, maps, strict=True):
+        best = int(one.argmax())
+        start = trials.motions[best] if one[best] > 0 else np.zeros(4)
+        placement = _as_placement(_refined(person, middles, start))
+        found.append(Placed(placement, float(one[best]), float(one[best] - one[trials.usual].max())))
+    return found
 
 
-def checked_photo(photo: ArrayLike) -> Picture:
-    """Return a grey photograph over its largest magnitude.
+def placed_nearby(query: Pattern, template: Template, shift: tuple[int, int] = (0, 0)) -> Placement:
+    """Find where a photograph shows a person who is nearly where a shift puts her: the last step of `placed`.
+
+    Parameters
+    ----------
+    query
+        (3, h, w) `patterns` of the photograph.
+    template
+        Hers, on the same (h, w).
+    shift
+        Pixels to the right and down; she is found if her blocks are no more than two or three pixels from there.
 
     Raises
     ------
     HarmonicFaceError
-        Another shape, fewer than 16 pixels a side, NaN, no contrast.
+        Another shape.
+
+    Examples
+    --------
+    >>> from harmonicface.recognition.patterns import patterns
+    >>> face = np.random.default_rng(0).uniform(0.1, 1, (48, 48))
+    >>> found = placed_nearby(patterns(np.roll(face, 3, axis=0)), Template.of([patterns(face)]), (0, 2))
+    >>> round(found.right, 1) + 0.0, round(found.down, 1)
+    (0.0, 3.0)
     """
-    pixels = _validate.finite(photo, "photo")
-    if pixels.ndim != 2 or min(pixels.shape) < SMALLEST:
-        expected = f"shape (h, w), at least {SMALLEST} x {SMALLEST}"
-        raise HarmonicFaceError(f"photo: expected {expected}, got {_validate.describe(pixels)}")
-    if pixels.min() == pixels.max():
-        raise HarmonicFaceError(f"photo: expected contrast, got {pixels.flat[0]:.4g} everywhere")
-    return np.asarray(pixels / np.abs(pixels).max(), np.float32)
+    _check(query, template)
+    right, down = shift
+    height, width = template.shape
+    edge = max(abs(right), abs(down))
+    larger = cv2.copyMakeBorder(query.sum(axis=0), edge, edge, edge, edge, cv2.BORDER_CONSTANT, value=0)
+    flat = np.ascontiguousarray(larger[edge + down : edge + down + height, edge + right : edge + right + width])
+    maps = _maps(flat, _blocks(flat, [template]), NEARBY)
+    found = _as_placement(_refined(maps[0], _middles(flat.shape), np.zeros(4)))
+    return replace(found, right=found.right + right, down=found.down + down)
 
 
-def _correlations(pattern: Picture, templates: Picture, inside: Picture) -> tuple[Picture, Picture, Picture]:
-    """Return how much of each window is in the span of the templates, and its first rows and columns."""
-    pad = round(PADDING * len(inside))
-    around = cv2.copyMakeBorder(pattern, pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
-    squares = sum(np.square(cv2.matchTemplate(around, template, cv2.TM_CCORR)) for template in templates)
-    energy = np.maximum(cv2.matchTemplate(around * around, inside, cv2.TM_CCORR), 0)
-    usual = LEAST_ENERGY * float((pattern * pattern).mean()) * float(inside.sum())
-    correlation = np.sqrt(squares / (energy + np.float32(usual + 1e-6)))
-    top = np.arange(correlation.shape[0], dtype=np.float32)[:, None] - pad
-    left = np.arange(correlation.shape[1], dtype=np.float32)[None] - pad
-    return correlation, top, left
+def _check(query: Pattern, template: Template) -> None:
+    if template.shape != query.shape[1:]:
+        raise HarmonicFaceError(f"templates: expected the query's shape {query.shape[1:]}, got {template.shape}")
 
 
-@lru_cache(maxsize=2)
-def _templates(prior: FacePrior) -> tuple[Picture, Picture]:
-    """Return orthonormal rows (4, h, w) that span the pattern that faces share under any light, and where faces are."""
-    rng = np.random.default_rng(0)
-    rows = min(ROWS, prior.shape[0])
-    size = (rows, round(rows * prior.shape[1] / prior.shape[0]))
-    lamps = np.stack([directional(lamp).coefficients(2) for lamp in LAMPS])
-    lamps[:, 0] += AMBIENT
-    sums = np.zeros((len(lamps), *size), np.float32)
-    for _ in range(FACES):
-        images = prior.images(rng.standard_normal(len(prior.modes)))
-        for total, light in zip(sums, lamps, strict=True):
-            face = np.zeros(prior.shape, np.float32)
-            face[prior.mask] = np.maximum(light @ images, 0)
-            total += _pattern(resized(filled(face, prior.mask), size), rows)
-    inner = binary_erosion(prior.mask, iterations=max(1, round(RIM * prior.shape[0])))
-    inside = (resized(inner.astype(np.float32), size) > 0.5).astype(np.float32)
-    if not inside.any():
-        raise HarmonicFaceError(f"prior: expected a face with an inside, got a mask of {prior.mask.sum()} pixels")
-    inner_sums = sums * inside
-    inner_sums -= inside * (inner_sums.sum(axis=(1, 2)) / inside.sum())[:, None, None]
-    _, _, spans = np.linalg.svd(inner_sums.reshape(len(sums), -1), full_matrices=False)
-    return np.ascontiguousarray(spans[:ROWS_OF_LIGHT].reshape(-1, *size), np.float32), inside
+def _blocks(flat: Pattern, templates: Sequence[Template]) -> Pattern:
+    """Return the blocks of templates, 0 where the photograph has none, (b, n, 144)."""
+    return np.stack([template.blocks for template in templates], axis=1) * known_blocks(flat)[:, None, None]
 
 
-def filled(picture: Picture, mask: NDArray[np.bool_]) -> Picture:
-    """Return a picture (h, w) or (h, w, k) with what is outside its mask filled from the nearest pixels inside."""
-    holes = np.asarray(~mask, np.uint8)
-    if not holes.any():
-        return picture
-    _, labels = cv2.distanceTransformWithLabels(holes, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
-    nearest = np.zeros(int(labels.max()) + 1, np.intp)
-    nearest[labels[mask]] = np.flatnonzero(mask)
-    flat = picture.reshape(mask.size, -1)
-    return np.asarray(flat[nearest[labels.ravel()]].reshape(picture.shape))
+@dataclass(frozen=True, eq=False)
+class _Trials:
+    """Motions to be voted for: (m, 4) turn, growth, right, down; (m, b) where in a block's map they lead."""
+
+    motions: Doubles
+    places: NDArray[np.intp]
+    displacements: Doubles
+    usual: NDArray[np.bool_]
 
 
-def _pattern(picture: Picture, rows: int) -> Picture:
-    """Return fine detail of the logarithm over its local energy; sizes follow the rows of the template."""
-    fine = max(FINE * rows, 0.5)
-    bright = float(np.percentile(picture, 99)) or float(picture.max()) or 1.0
-    log = np.log(np.maximum(picture, 0) / np.float32(bright) + np.float32(DARK))
-    detail = _blurred(log, fine) - _blurred(log, WIDER * fine)
-    energy = np.sqrt(_blurred(detail * detail, NEIGHBOURHOOD * fine))
-    return np.asarray(np.tanh(detail / (energy + np.float32(FAINT * energy.mean() + 1e-6))), np.float32)
+@cache
+def _trials(shape: tuple[int, int]) -> _Trials:
+    """Return all trials on a grid."""
+    motions = np.stack(np.meshgrid(TURNS, GROWTHS, SHIFTS, SHIFTS, indexing="ij"), axis=-1).reshape(-1, 4).astype(float)
+    displaced = _displaced(motions[:, None], _middles(shape))
+    right, down = (np.rint(one).astype(np.intp) + REACH for one in displaced)
+    inside = (right >= 0) & (right < SIDE) & (down >= 0) & (down < SIDE)
+    places = np.where(inside, down * SIDE + right, SIDE * SIDE)  # the last place of a map is 0
+    places += np.arange(places.shape[1]) * (SIDE * SIDE + 1)
+    usual = (motions[:, :2] == 0).all(axis=1) & (np.abs(motions[:, 2:]) <= SEARCHED).all(axis=1)
+    return _Trials(motions, places, np.hypot(*displaced).mean(axis=1), usual)
 
 
-def _blurred(picture: Picture, deviation: float) -> Picture:
-    return np.asarray(cv2.GaussianBlur(picture, (0, 0), deviation, borderType=cv2.BORDER_REPLICATE))
+def _middles(shape: tuple[int, ...]) -> tuple[Doubles, Doubles]:
+    """Return x and y of the blocks' middles, from the middle of the picture."""
+    down, across = block_grid(shape)
+    y, x = (
+        np.arange(count) * BLOCK + side % BLOCK // 2 + (BLOCK - 1) / 2 - (side - 1) / 2
+        for count, side in ((down, shape[0]), (across, shape[1]))
+    )
+    return np.tile(x, down), np.repeat(y, across)
 
 
-def resized(picture: Picture, size: tuple[int, int]) -> Picture:
-    """Return a picture at another size, averaged where it gets smaller."""
-    smaller = size[0] < picture.shape[0]
-    how = cv2.INTER_AREA if smaller else cv2.INTER_LINEAR
-    return np.asarray(cv2.resize(picture, size[::-1], interpolation=how))
+def _displaced(motion: Doubles, middles: tuple[Doubles, Doubles]) -> tuple[Doubles, Doubles]:
+    """Return how far to the right and down motions (..., 4) move the middles of blocks."""
+    x, y = middles
+    turn, growth, right, down = np.moveaxis(motion, -1, 0)
+    return growth * x - turn * y + right, growth * y + turn * x + down
+
+
+def _maps(flat: Pattern, blocks: Pattern, reach: int) -> Pattern:
+    """Return the correlations of blocks (b, n, 144) with a picture at all displacements, (n, b, side, side)."""
+    across, side = block_grid(flat.shape)[1], 2 * reach + 1
+    top, left = (length % BLOCK // 2 for length in flat.shape)
+    padded = cv2.copyMakeBorder(flat, reach, reach, reach, reach, cv2.BORDER_CONSTANT, value=0)
+    box, corner, outside = (BLOCK, BLOCK), (0, 0), cv2.BORDER_CONSTANT
+    total = cv2.boxFilter(padded, cv2.CV_32F, box, anchor=corner, normalize=False, borderType=outside)
+    squares = cv2.sqrBoxFilter(padded, cv2.CV_32F, box, anchor=corner, normalize=False, borderType=outside)
+    lengths = np.sqrt(np.maximum(squares - np.square(total) / BLOCK**2, 0)) + np.float32(TINY)
+    windows = sliding_window_view(padded, box)
+    patches = np.empty((side, side, BLOCK, BLOCK), np.float32)
+    maps = np.empty((blocks.shape[1], len(blocks), side, side), np.float32)
+    for index, theirs in enumerate(blocks):
+        row, column = divmod(index, across)
+        here = np.s_[top + row * BLOCK :, left + column * BLOCK :]
+        patches[:] = windows[here][:side, :side]
+        products = theirs @ patches.reshape(side * side, -1).T
+        np.divide(products.reshape(-1, side, side), lengths[here][:side, :side], out=maps[:, index])
+    return maps
+
+
+def _votes(maps: Pattern, trials: _Trials) -> Pattern:
+    """Return the sums of correlations over blocks for each trial, (n, m), each block free by a pixel."""
+    people, blocks = maps.shape[:2]
+    flat = np.zeros((people, blocks, SIDE * SIDE + 1), np.float32)
+    flat[:, :, :-1] = _largest_around(_largest_around(maps).swapaxes(2, 3)).swapaxes(2, 3).reshape(people, blocks, -1)
+    return np.asarray(np.take(flat.reshape(people, -1), trials.places, axis=1).sum(axis=2))
+
+
+def _largest_around(maps: Pattern) -> Pattern:
+    """Return the maximum of each value and its neighbours along the last axis."""
+    largest = maps.copy()
+    np.maximum(largest[..., 1:], maps[..., :-1], out=largest[..., 1:])
+    np.maximum(largest[..., :-1], maps[..., 1:], out=largest[..., :-1])
+    return largest
+
+
+def _refined(maps: Pattern, middles: tuple[Doubles, Doubles], motion: Doubles) -> Doubles:
+    """Return the motion (4,) that fits the blocks' own best places about a motion."""
+    x, y = middles
+    each, reach = np.arange(len(maps)), maps.shape[-1] // 2
+    zero, one = np.zeros_like(x), np.ones_like(x)
+    rows = np.concatenate([np.column_stack([-y, x, one, zero]), np.column_stack([x, y, zero, one])])
+    for _ in range(ROUNDS):
+        expected = _displaced(motion, middles)
+        column, row = (np.clip(np.rint(displaced).astype(int) + reach, 2, 2 * reach - 2) for displaced in expected)
+        around = np.stack([maps[each, row + i, column + j] for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=1)
+        down, right = np.divmod(around.argmax(axis=1), 3)
+        row, column = row + down - 1, column + right - 1
+        height = maps[each, row, column]
+        found_x = column - reach + _vertex(maps[each, row, column - 1], height, maps[each, row, column + 1])
+        found_y = row - reach + _vertex(maps[each, row - 1, column], height, maps[each, row + 1, column])
+        far = np.hypot(found_x - expected[0], found_y - expected[1])
+        weights = np.square(np.maximum(height - FLOOR, 0)) / (1 + np.square(far / AGREEING))
+        weighted = rows * np.tile(weights, 2)[:, None]
+        normal = weighted.T @ rows + np.diag(np.square(np.reciprocal(PRIOR)))
+        motion = np.linalg.solve(normal, weighted.T @ np.concatenate([found_x, found_y]))
+    return motion
+
+
+def _vertex(before: Pattern, here: Pattern, after: Pattern) -> Doubles:
+    """Return where the parabola through three values has its top, from the middle one."""
+    bend = np.maximum(2.0 * here - before - after, TINY)
+    return np.asarray(np.clip((after - before) / (2 * bend), -0.5, 0.5), np.float64)
+
+
+def _as_placement(motion: Doubles) -> Placement:
+    """Return the placement of turn, growth, right, down, of which the first two are a linear similarity."""
+    turn, growth, right, down = (float(one) for one in motion)
+    return Placement(
+        right, down, float(np.degrees(np.arctan2(turn, 1 + growth))), float(np.hypot(turn, 1 + growth) - 1)
+    )
