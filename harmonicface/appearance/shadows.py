@@ -13,7 +13,7 @@ from harmonicface.io.colour import luminance
 from harmonicface.lighting.light import HarmonicLight, Light
 from harmonicface.lighting.sources import DirectionalLights
 from harmonicface.surfaces.blockers import Blocker, DepthBlocker, MeshBlocker, pixel_samples
-from harmonicface.surfaces.interreflection import PATCH_RAYS, depth_exchange, mesh_exchange
+from harmonicface.surfaces.interreflection import PATCH_RAYS, exchange_of
 from harmonicface.surfaces.ray_transport import RAYS as TRANSPORT_RAYS
 from harmonicface.surfaces.ray_transport import direct_transport
 from harmonicface.surfaces.scene import FineSamples
@@ -69,7 +69,7 @@ def shadowed_irradiance(surface: Surface, light: Light, bounces: int = 0) -> Flo
     samples, blocker = _receivers(surface)
     result = _arriving(samples, blocker, light, np.ones((len(samples.normals), 1)))
     if bounces:
-        result = result + _thrown_back(surface, samples, blocker, light, bounces)
+        result = result + _thrown_back(surface, blocker, light, bounces)
     return _shaped(result).astype(surface.normals.dtype)
 
 
@@ -90,7 +90,7 @@ def shadowed_radiosity(surface: Surface, light: Light, bounces: int = 0) -> Floa
     factor, mean = _relative_albedo(samples, own.shape[1])
     thrown = own / mean * _arriving(samples, blocker, light, factor)
     if bounces:
-        thrown = thrown + own * _thrown_back(surface, samples, blocker, light, bounces)
+        thrown = thrown + own * _thrown_back(surface, blocker, light, bounces)
     return _shaped(thrown).astype(surface.normals.dtype)
 
 
@@ -140,12 +140,10 @@ def _arriving(samples: FineSamples, blocker: Blocker, light: Light, factor: Doub
     return result
 
 
-def _thrown_back(surface: Surface, samples: FineSamples, blocker: Blocker, light: Light, bounces: int) -> Doubles:
+def _thrown_back(surface: Surface, blocker: Blocker, light: Light, bounces: int) -> Doubles:
     """Return the irradiance of the pixels from light that the surface throws on itself, (p, 1 or 3)."""
-    if surface.scene is None:
-        exchange = depth_exchange(surface)
-    else:
-        exchange = mesh_exchange(surface.scene, samples, bounces)
+    exchange = exchange_of(surface, bounces)
+    if surface.scene is not None:
         blocker = MeshBlocker(surface.scene.caster, exchange.pieces)
     pieces = exchange.pieces
     direct = _arriving(pieces, blocker, light, np.ones((pieces.pixels, 1)), PATCH_RAYS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +86,24 @@ class Exchange:
             thrown = (self.between @ thrown) * albedo[:, None]
             result += self.to_pixels @ thrown
         return np.asarray(result)
+
+
+_LATEST: WeakKeyDictionary[Surface, tuple[int, Exchange]] = WeakKeyDictionary()  # one: it may take 200 MB
+
+
+def exchange_of(surface: Surface, bounces: int) -> Exchange:
+    """Return the exchange of a Surface with a scene, or else depth; that of the latest Surface is kept as it lives."""
+    reach = 0 if surface.scene is None else bounces  # depth alone exchanges with all that it has at once
+    known = _LATEST.get(surface)
+    if known is not None and known[0] == reach:
+        return known[1]
+    _LATEST.clear()
+    if surface.scene is None:
+        found = depth_exchange(surface)
+    else:
+        found = mesh_exchange(surface.scene, surface.scene.samples(surface.mask), bounces)
+    _LATEST[surface] = reach, found
+    return found
 
 
 def mesh_exchange(scene: Scene, samples: FineSamples, bounces: int, rays: int = RAYS) -> Exchange:

@@ -13,7 +13,7 @@ from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import count
 from harmonicface.reflectance.filters import lambertian_weights
 from harmonicface.surfaces.blockers import Blocker, MeshBlocker
-from harmonicface.surfaces.interreflection import PATCH_RAYS, mesh_exchange, with_bounces
+from harmonicface.surfaces.interreflection import PATCH_RAYS, exchange_of, with_bounces
 from harmonicface.surfaces.scene import FineSamples
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.visible_sums import Doubles, sphere_directions, visible_sums
@@ -69,7 +69,7 @@ def ray_transport(surface: Surface, order: int = 4, bounces: int = 0, rays: int 
     samples = scene.samples(surface.mask)
     direct = direct_transport(MeshBlocker(scene.caster, samples), samples, order, rays)
     if bounces:
-        exchange = mesh_exchange(scene, samples, bounces)
+        exchange = exchange_of(surface, bounces)
         arriving = direct_transport(MeshBlocker(scene.caster, exchange.pieces), exchange.pieces, order, PATCH_RAYS)
         return with_bounces(direct, exchange.bounced(arriving.T, bounces)).astype(surface.normals.dtype)
     return direct.astype(surface.normals.dtype)

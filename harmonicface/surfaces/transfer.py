@@ -6,7 +6,7 @@ from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import count
 from harmonicface.surfaces.horizon_transport import horizon_transport
-from harmonicface.surfaces.interreflection import depth_exchange, with_bounces
+from harmonicface.surfaces.interreflection import exchange_of, with_bounces
 from harmonicface.surfaces.ray_transport import ray_transport
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.transport import Transport
@@ -71,6 +71,6 @@ def _computed(surface: Surface, order: int, bounces: int) -> Transport:
         )
     direct = horizon_transport(surface, order)
     if bounces:
-        thrown = depth_exchange(surface).bounced(direct.T, bounces)
+        thrown = exchange_of(surface, bounces).bounced(direct.T, bounces)
         return Transport(with_bounces(direct, thrown).astype(direct.dtype), bounces)
     return Transport(direct)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import gc
+from unittest import mock
+
 import numpy as np
 import pytest
 import trimesh
 
 from harmonicface.io.meshes import Mesh
+from harmonicface.surfaces import interreflection
 from harmonicface.surfaces.depth import surface_from_depth
-from harmonicface.surfaces.interreflection import depth_exchange, mesh_exchange, with_bounces
+from harmonicface.surfaces.interreflection import depth_exchange, exchange_of, mesh_exchange, with_bounces
 from harmonicface.surfaces.mesh import surface_from_mesh
 from harmonicface.surfaces.patches import Patches
 from harmonicface.surfaces.scene import Scene
@@ -127,3 +131,27 @@ def test_bounces_add_to_transport():
     direct = np.ones((4, 5))
     assert np.array_equal(with_bounces(direct, np.ones((5, 4))), np.full((4, 5), 2.0))
     assert with_bounces(direct, np.ones((5, 4, 3))).shape == (4, 5, 3)
+
+
+def test_many_bounced_pictures_of_a_surface_cost_one_exchange():
+    bowl = np.add.outer(np.linspace(-1, 1, 9) ** 2, np.linspace(-1, 1, 9) ** 2)
+    surface, other = (surface_from_depth(bowl, albedo, pixel_size=0.25) for albedo in (0.5, 0.9))
+    with mock.patch.object(interreflection, "depth_exchange", wraps=depth_exchange) as computed:
+        first = exchange_of(surface, 1)
+        assert exchange_of(surface, 3) is first  # of depth, all is in it at once
+        assert computed.call_count == 1
+        assert exchange_of(other, 1).pieces.albedo[0] == 0.9
+        assert exchange_of(surface, 1) is not first  # only the latest is kept
+        assert computed.call_count == 3
+    del surface, other, first
+    gc.collect()
+    assert not interreflection._LATEST  # and not beyond its Surface's life
+
+
+def test_a_scene_knows_by_how_many_bounces():
+    tent = [[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 1]]
+    surface = surface_from_mesh(mesh_of(tent, [[0, 1, 2], [0, 2, 3], [0, 1, 4]]), 6)
+    with mock.patch.object(interreflection, "mesh_exchange", wraps=mesh_exchange) as computed:
+        once, twice = exchange_of(surface, 1), exchange_of(surface, 2)
+        assert exchange_of(surface, 2) is twice is not once
+        assert computed.call_count == 2
