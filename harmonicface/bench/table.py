@@ -52,17 +52,17 @@ def yale_table(result: YaleResult) -> tuple[list[str], list[list[str]]]:
 def published_table(result: YaleResult) -> tuple[list[str], list[list[str]]]:
     """Return heads and rows: what is published for the protocol beside ours, in %, with binomial 95 % intervals.
 
-    The last column says whether our error lies in the interval of the published one, or beyond it.
+    Ours is the same method; beside methods that the package does not have, it is the default one. The last column
+    says whether our error lies in the interval of the published one, or beyond it.
     """
-    heads = ["published", "subsets", "%", "95 %", "ours", "%", "95 %", "ours has"]
+    heads = ["published method", "subsets", "published", "ours", "errors"]
     rows = []
     for row in published(result.train):
         for subsets in row.error_percent:
             theirs, own = row.rate(subsets), _own(result.methods.get(row.ours), subsets)
-            left = [row.name, subsets, f"{row.error_percent[subsets]:g}", _interval(theirs), row.ours]
-            rows.append(
-                [*left, *(["-", "-", "-"] if own is None else [_percent(own), _interval(own), _side(own, theirs)])]
-            )
+            left = [row.name, subsets, f"{row.error_percent[subsets]:g} {_interval(theirs)}"]
+            right = ["-", "-"] if own is None else [f"{100 * own.value:.2f} {_interval(own)}", _side(own, theirs)]
+            rows.append([*left, *right])
     return heads, rows
 
 
@@ -81,9 +81,5 @@ def _side(own: Rate, theirs: Rate) -> str:
     return "more" if own.value > theirs.high else "as many"
 
 
-def _percent(found: Rate) -> str:
-    return f"{100 * found.value:.2f}"
-
-
 def _interval(found: Rate) -> str:
-    return f"{100 * found.low:.1f}-{100 * found.high:.1f}"
+    return f"({100 * found.low:.1f}-{100 * found.high:.1f})"

@@ -144,7 +144,8 @@ def _published(result: YaleResult) -> str:
     return (
         "<h2>Published beside ours</h2>"
         f"<p>In %, with 95 % intervals of Clopper &amp; Pearson; the published ones {same}. "
-        "“as many”: ours lies in the interval of the published error.</p>"
+        "“as many”: ours lies in the interval of the published error. Ours is the same method; beside methods that "
+        f"the package does not have, it is {OURS}.</p>"
         f"{table(heads, rows)}<p>{html.escape(told)}</p>"
     )
 

@@ -93,13 +93,11 @@ def evaluate_yale(
 
 def _print_yale(result: YaleResult) -> None:
     """Print our errors, and the published ones beside them."""
-    print_table(
-        f"Wrong answers by subset, %, trained on {result.train}; milliseconds a photograph", *yale_table(result)
-    )
+    print_table(f"Wrong answers by subset, %, trained on {result.train}; ms a photograph", *yale_table(result))
     heads, rows = published_table(result)
     if rows:
         size = "the same photographs" if published_size(result.people, result.n) else "other photographs than ours"
-        print_table(f"Published beside ours, with 95 % intervals ({size})", heads, rows)
+        print_table(f"Published beside ours, % with 95 % intervals ({size})", heads, rows)
 
 
 def _methods(text: str | None, usual: Sequence[str]) -> Sequence[str]:
