@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -114,7 +115,13 @@ def filled(light: Picture, cover: Picture) -> Picture:
 
 def blurred(picture: Picture, deviation: float) -> Picture:
     """Return a picture seen through a Gaussian that ends at four deviations, reflected at its borders."""
-    reach = int(4 * deviation + 0.5)
-    kernel = np.exp(-0.5 * np.square(np.arange(-reach, reach + 1) / deviation))
-    kernel = (kernel / kernel.sum()).astype(np.float32)
+    kernel = _kernel(deviation)
     return np.asarray(cv2.sepFilter2D(picture, cv2.CV_32F, kernel, kernel, borderType=cv2.BORDER_REFLECT))
+
+
+@lru_cache(maxsize=16)
+def _kernel(deviation: float) -> Picture:
+    """Return the taps of a Gaussian."""
+    reach = int(4 * deviation + 0.5)
+    taps = np.exp(-0.5 * np.square(np.arange(-reach, reach + 1) / deviation))
+    return np.asarray(taps / taps.sum(), np.float32)
