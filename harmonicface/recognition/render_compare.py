@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -125,6 +126,11 @@ class Photograph:
     def __init__(self, photo: ArrayLike, mask: ArrayLike | None = None) -> None:
         self._picture = on_grid(photo, mask)
         self.patterns: Pattern = patterns_on_grid(self._picture)
+        self._moved: dict[tuple[int, int], tuple[Picture, Picture, float]] = {}
+
+    @cached_property
+    def _bordered_detail(self) -> tuple[Picture, Picture]:
+        """What lies between two Gaussians, and what it weighs, with room for shifts."""
         detail = _detail(self._picture.light)
         energy = blurred(detail * detail, NEIGHBOURHOOD)
         mean = float(energy.mean())
@@ -132,9 +138,12 @@ class Photograph:
         weights = np.asarray(weights, np.float32)
         if self._picture.seen is not None:
             weights *= blurred(self._picture.seen.astype(np.float32), WIDE) > EDGE
-        self._detail, self._weights = _bordered(detail), _bordered(weights)
-        self._light = _widened(self._picture.light)
-        self._moved: dict[tuple[int, int], tuple[Picture, Picture, float]] = {}
+        return _bordered(detail), _bordered(weights)
+
+    @cached_property
+    def _light(self) -> Picture:
+        """The photograph on the grid, with room for shifts."""
+        return _widened(self._picture.light)
 
     def explained(self, pictures: Pictures, shifts: tuple[tuple[int, int], ...] = ((0, 0),)) -> Explanation:
         r"""Find the light under which a person's pictures show the photograph's detail best.
@@ -204,7 +213,7 @@ class Photograph:
             right, down = shift
             height, width = self.patterns.shape[1:]
             window = np.s_[REACH + down : REACH + down + height, REACH + right : REACH + right + width]
-            weights, detail = self._weights[window].ravel(), self._detail[window].ravel()
+            detail, weights = (part[window].ravel() for part in self._bordered_detail)
             target = weights * detail
             self._moved[shift] = weights, target, float(target @ detail)
         return self._moved[shift]
