@@ -147,7 +147,8 @@ def found(gallery: Gallery, questions: Sequence[Question], hides: dict[str, Hide
             seconds=float(np.median(times)),
             error=100 * float(1 - np.mean(of_hidden)) if of_hidden else None,
             note="error: % of hidden pixels that are not in match.left_out; of the others "
-            f"{100 * np.mean(of_face):.1f} % are (cast shadows, gloss, the neighbourhood); {len(questions)} photographs of subsets 2 to 4",
+            f"{100 * np.mean(of_face):.1f} % are (cast shadows, gloss, the neighbourhood); "
+            f"{len(questions)} photographs of subsets 2 to 4",
         )
 
 
