@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from typing import Any, NoReturn, cast
 
 import typer
@@ -32,6 +33,7 @@ app.add_typer(evaluate, name="evaluate")
 
 def main() -> None:
     """Run the command line; bad input ends in one line on standard error and exit code 2."""
+    warnings.showwarning = _warn
     try:
         sys.exit(app(standalone_mode=False))
     except HarmonicFaceError as error:
@@ -40,6 +42,12 @@ def main() -> None:
         _refuse(cast(Any, error).format_message())
     except (typer.Abort, KeyboardInterrupt):
         sys.exit(130)
+
+
+def _warn(message: Warning | str, category: type[Warning], *_: object) -> None:
+    """Print a warning to people as one line; those to programmers are for them."""
+    if issubclass(category, UserWarning):
+        print(f"harmonicface: {' '.join(str(message).split())}", file=sys.stderr)
 
 
 def _refuse(reason: str) -> NoReturn:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import warnings
 from typing import Protocol
 
 import numpy as np
@@ -20,6 +21,10 @@ Integers = NDArray[np.int64]
 
 ENGINES = ("embree", "trimesh")
 OFFSET = 1e-5  # of the mesh's extent: a hundred float32 roundings of a coordinate, a hundredth of a pixel in 1,000
+
+
+SLOW = 100_000  # rays that are worth a word where they take minutes
+_told = False
 
 
 class _Engine(Protocol):
@@ -44,7 +49,8 @@ class RayCaster:
         (m, 3) vertex indices, at least one row.
     engine
         "embree" takes millions of rays a second and needs the package embreex; "trimesh" comes with trimesh and takes
-        hundreds a second at a scanned head, which is enough for a few pixels. By default embree where it is installed.
+        hundreds a second at a scanned head, which is enough for a few pixels. By default embree where it is installed;
+        where it is not, a warning says so once after 100,000 rays.
 
     Raises
     ------
@@ -66,6 +72,8 @@ class RayCaster:
         if len(corners) == 0:
             raise HarmonicFaceError("faces: expected at least one triangle, got none")
         self.engine = _checked_engine(engine)
+        self._unasked = engine is None and self.engine != "embree"
+        self._cast = 0
         self._faces = corners
         used = np.zeros(len(points), dtype=np.bool_)
         used[corners] = True
@@ -101,14 +109,15 @@ class RayCaster:
             Other shapes, NaN, a direction of zero length.
         """
         starts, towards = _checked_rays(origins, directions)
-        return self._engine.blocked(self._in_box(starts), towards)
+        return self.blocked_from(self._in_box(starts), towards)
 
     def starts(self, points: Floats, normals: Floats) -> NDArray[np.float32]:
         """Return where rays start that leave points of the mesh on the side of some normals, for `blocked_from`."""
         return np.asarray(self._in_box(points) + OFFSET * normals, dtype=np.float32)
 
-    def blocked_from(self, starts: NDArray[np.float32], directions: NDArray[np.float32]) -> NDArray[np.bool_]:
+    def blocked_from(self, starts: Floats, directions: Floats) -> NDArray[np.bool_]:
         """Tell which rays meet a triangle: `blocked` without its checks, from what `starts` returned."""
+        self._count(len(starts))
         return self._engine.blocked(starts, directions)
 
     def first_hits(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Integers, Doubles]:
@@ -143,12 +152,26 @@ class RayCaster:
 
     def hits_from(self, starts: Floats, directions: Floats) -> tuple[Integers, Doubles]:
         """Return what rays meet first: `first_hits` without its checks, from what `starts` returned."""
+        self._count(len(starts))
         triangle = self._engine.first_hits(starts, directions)
         weights = np.zeros((len(triangle), 3))
         met = np.flatnonzero(triangle >= 0)
         corners = self._unit[self._faces[triangle[met]]]
         weights[met] = _weights_where_met(corners, starts[met].astype(np.float64), directions[met].astype(np.float64))
         return triangle, weights
+
+    def _count(self, rays: int) -> None:
+        """Say once that the slow engine, which nobody asked for, is slow."""
+        global _told
+        self._cast += rays
+        if self._unasked and self._cast > SLOW and not _told:
+            _told = True
+            warnings.warn(
+                f"more than {SLOW:,} rays without embreex, which is thousands of times as fast: "
+                "pip install harmonicface[embree]",
+                UserWarning,
+                stacklevel=2,
+            )
 
     def _in_box(self, points: Floats) -> Doubles:
         """Return points in coordinates in which the mesh is at most one wide, around the origin."""

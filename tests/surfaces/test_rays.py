@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.surfaces import rays
 from harmonicface.surfaces.rays import RayCaster
 
 embree = pytest.mark.skipif(importlib.util.find_spec("embreex") is None, reason="embreex is not installed")
@@ -163,3 +164,18 @@ def test_without_embreex_trimesh_casts(monkeypatch):
     assert RayCaster(TRIANGLE, FACE).engine == "trimesh"
     with pytest.raises(HarmonicFaceError, match="expected embreex to be installed"):
         RayCaster(TRIANGLE, FACE, "embree")
+
+
+def test_many_rays_without_embreex_are_told_of_once(monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(rays, "SLOW", 5)
+    monkeypatch.setattr(rays, "_told", False)
+    upward, below = np.tile([0.0, 0.0, 1.0], (3, 1)), np.tile([1.0, 1.0, -1.0], (3, 1))
+    asked = RayCaster(TRIANGLE, FACE, engine="trimesh")  # who asks for it knows
+    for _ in range(4):
+        asked.blocked(below, upward)
+    caster = RayCaster(TRIANGLE, FACE)
+    caster.blocked(below, upward)
+    with pytest.warns(UserWarning, match=r"more than 5 rays without embreex.*: pip install harmonicface\[embree\]"):
+        assert caster.first_hits(below, upward)[0].tolist() == [0, 0, 0]
+    RayCaster(TRIANGLE, FACE).blocked(np.tile(below, (9, 1)), np.tile(upward, (9, 1)))  # once is enough
