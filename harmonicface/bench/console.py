@@ -31,6 +31,17 @@ def progress() -> Iterator[Callable[[str, int, int], None]]:
             bar.stop()
 
 
+@contextmanager
+def waiting(what: str) -> Iterator[Callable[[str], None]]:
+    """Show on a terminal's standard error what is being done; call with what comes next."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status(f"{what} ...") as status:
+        yield lambda following: status.update(f"{following} ...")
+
+
 def print_table(title: str, heads: list[str], rows: list[list[str]]) -> None:
     """Print a table that fits a terminal of 80 columns: the first column to the left, numbers to the right."""
     table = Table(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Callable
 
 import numpy as np
 
@@ -30,7 +31,9 @@ def usual_lights() -> dict[str, Light]:
     }
 
 
-def light_table(surface: Surface, order: int, shadows: bool, bounces: int) -> str:
+def light_table(
+    surface: Surface, order: int, shadows: bool, bounces: int, tell: Callable[[str], None] = lambda _: None
+) -> str:
     """Return the HTML table: a row a light, exact picture, harmonic pictures of order 2 and of the order, errors.
 
     Parameters
@@ -41,10 +44,15 @@ def light_table(surface: Surface, order: int, shadows: bool, bounces: int) -> st
         Highest degree of the last columns; at 2 they are left out.
     shadows, bounces
         See `render`.
+    tell
+        Is told which light is next.
     """
     orders = sorted({2, order})
     heads = ["", "ball", "exact", *(head for number in orders for head in (f"order {number}", "error"))]
-    rows = [_row(surface, name, light, orders, shadows, bounces) for name, light in usual_lights().items()]
+    rows = []
+    for name, light in usual_lights().items():
+        tell(f"pictures under {name}")
+        rows.append(_row(surface, name, light, orders, shadows, bounces))
     head = "".join(f"<th>{text}</th>" for text in heads)
     return f'<table class="pictures"><tr>{head}</tr>{"".join(rows)}</table>'
 

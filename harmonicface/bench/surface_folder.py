@@ -5,17 +5,20 @@ from __future__ import annotations
 import math
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.bench.surface_page import FILES, sky_picture, surface_page
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.harmonics.indexing import count
 from harmonicface.io.files import replacing
 from harmonicface.io.images import write_image
 from harmonicface.io.normal_maps import write_normal_map
 from harmonicface.surfaces.pictures import harmonic_pictures, surface_pictures
 from harmonicface.surfaces.surface import Surface
+from harmonicface.surfaces.transfer import HIGHEST_ORDER
 
 PAGE = "surface.html"
 SURFACE = "surface.npz"
@@ -29,6 +32,7 @@ def write_surface_folder(
     order: int = 2,
     shadows: bool = False,
     bounces: int = 0,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> int:
     """Write harmonic images and other pictures of a Surface, the Surface itself, and a page that shows them all.
 
@@ -46,9 +50,11 @@ def write_surface_folder(
     title
         What the page calls it.
     order
-        The highest degree.
+        The highest degree, 0 to 12.
     shadows, bounces
         See `harmonic_images`.
+    tell
+        Is told what is being done.
 
     Returns
     -------
@@ -60,9 +66,14 @@ def write_surface_folder(
     HarmonicFaceError
         What `harmonic_images` refuses; a folder that cannot be made or written to.
     """
+    checked_order(order)
+    tell("harmonic images")
     images = harmonic_images(surface, order, shadows, bounces)
     pictures = _pictures(surface, images, shadows or bounces > 0)
-    text = surface_page(surface, title, images, shadows, bounces, [*pictures, SURFACE])  # before anything is written
+    text = surface_page(
+        surface, title, images, shadows, bounces, [*pictures, SURFACE], tell
+    )  # before anything is written
+    tell("writing")
     target = Path(folder)
     try:
         target.mkdir(parents=True, exist_ok=True)
@@ -80,6 +91,20 @@ def write_surface_folder(
     with replacing(target / PAGE) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return len(images)
+
+
+def checked_order(order: int) -> None:
+    """Refuse more pictures than anybody looks at.
+
+    Raises
+    ------
+    HarmonicFaceError
+        An order that is not 0 to 12.
+    """
+    count(order)
+    if order > HIGHEST_ORDER:
+        most = count(HIGHEST_ORDER)
+        raise HarmonicFaceError(f"order: expected at most {HIGHEST_ORDER}, which are {most} pictures, got {order}")
 
 
 def _pictures(surface: Surface, images: Floats, shadows: bool) -> dict[str, Floats]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -24,7 +25,15 @@ WIDTH = 960  # pixels of the page
 PART = 320  # pixels of a picture in the page
 
 
-def surface_page(surface: Surface, title: str, images: Floats, shadows: bool, bounces: int, files: list[str]) -> str:
+def surface_page(
+    surface: Surface,
+    title: str,
+    images: Floats,
+    shadows: bool,
+    bounces: int,
+    files: list[str],
+    tell: Callable[[str], None] = lambda _: None,
+) -> str:
     """Return the HTML page of a Surface.
 
     Parameters
@@ -39,6 +48,8 @@ def surface_page(surface: Surface, title: str, images: Floats, shadows: bool, bo
         Whether cast shadows are in them, and how often light is thrown back.
     files
         Names of the files that were written beside the page.
+    tell
+        Is told what is being done.
 
     Returns
     -------
@@ -59,7 +70,7 @@ def surface_page(surface: Surface, title: str, images: Floats, shadows: bool, bo
         "triangle": _triangle(surface, images),
         "shadows": _shadows(surface, images, bounces) if shadows else "",
         "beyond": " past what casts shadows" if shadows else "",
-        "lights": light_table(surface, order, shadows, bounces),
+        "lights": light_table(surface, order, shadows, bounces, tell),
         "files": html.escape(_summary(files)),
     }
     return page("surface.html.template", title, fields, {FILES: " ".join(files)})

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
-from rich.console import Console
 
 from harmonicface._validate import Floats, positive
 from harmonicface.appearance.relight import relight as relit
 from harmonicface.appearance.render import render
+from harmonicface.bench.console import waiting
 from harmonicface.commands.light_options import LIGHT_HELP, read_lights
+from harmonicface.commands.map_options import (
+    Albedo,
+    DepthMap,
+    DepthScale,
+    Green,
+    MapOptions,
+    NormalMap,
+    PixelSize,
+    read_shape,
+)
 from harmonicface.commands.options import (
     Distance,
     FlipTexture,
@@ -28,7 +36,7 @@ from harmonicface.commands.options import (
     view,
 )
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.sources import MeshView, read_surface
+from harmonicface.gallery.sources import MeshView
 from harmonicface.io.colour import luminance
 from harmonicface.io.images import WRITTEN, read_image, write_image
 from harmonicface.lighting.environment import EnvironmentMap
@@ -100,6 +108,12 @@ def relight(
     intrinsics: Intrinsics = None,
     distance: Distance = None,
     transfer: Transfer = None,
+    depth_map: DepthMap = None,
+    depth_scale: DepthScale = None,
+    normal_map: NormalMap = False,
+    green: Green = None,
+    albedo: Albedo = None,
+    pixel_size: PixelSize = None,
 ) -> None:
     """Show a face, or a photograph of it, under another light."""
     if out.suffix.lower() not in WRITTEN:  # before the work rather than after it
@@ -110,16 +124,18 @@ def relight(
         raise HarmonicFaceError("expected --order or --exact, got both")
     coat = _coat(shininess, roughness, gloss)
     picture = _photo(photo, photo_light, transfer)
-    with _waiting("reading"):
+    with waiting("reading"):
         new = read_lights(light, layout, rotate_light)
         old = read_lights(photo_light, layout, None) if photo_light else None
-        surface = _surface(source, view(size, texture, flip_texture, rotation, frame, intrinsics, distance), picture)
+        seen = view(size, texture, flip_texture, rotation, frame, intrinsics, distance)
+        maps = MapOptions(depth_map, depth_scale, normal_map, green, albedo, pixel_size)
+        surface = _surface(source, seen, maps, picture)
     highest = order
     if order is None and not exact and (_has_map(new) or _has_map(old)):
         highest = MAP_ORDER
         if shadows or bounces:  # the quotient of two shadowed series is far off where the old light is weak
             highest = SHADOWED_ORDER if picture is None else None
-    with _waiting("shading"):
+    with waiting("shading"):
         if picture is None:
             shown = render(surface, new, highest, coat, shadows, bounces)
             factor = _exposure(shown[surface.mask]) if exposure is None else exposure
@@ -154,12 +170,12 @@ def _photo(path: Path | None, light: list[str] | None, transfer: str | None) -> 
     return None
 
 
-def _surface(source: Path, seen: MeshView, picture: Floats | None) -> Surface:
+def _surface(source: Path, seen: MeshView, maps: MapOptions, picture: Floats | None) -> Surface:
     """Read the face, at the photograph's size unless told otherwise."""
-    if picture is not None and seen.size is None and source.suffix.lower() != ".npz":
+    if picture is not None and seen.size is None and not maps.given and source.suffix.lower() != ".npz":
         height, width = picture.shape[:2]
         seen = replace(seen, size=(height, width))
-    return read_surface(source, seen, usual_size=256)
+    return read_shape(source, seen, maps, usual_size=256)
 
 
 def _has_map(light: Light | None) -> bool:
@@ -181,14 +197,3 @@ def _like(pixels: Floats, others: Floats) -> float:
         float(np.mean(luminance(each) if each.ndim == 2 else each, dtype=np.float64)) for each in (pixels, others)
     )
     return theirs / mine if mine > 0 else 1.0
-
-
-@contextmanager
-def _waiting(what: str) -> Iterator[None]:
-    """Show on a terminal's standard error that work goes on."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield
-        return
-    with console.status(f"{what} ..."):
-        yield

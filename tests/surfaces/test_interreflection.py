@@ -143,6 +143,7 @@ def test_many_bounced_pictures_of_a_surface_cost_one_exchange():
         assert exchange_of(other, 1).pieces.albedo[0] == 0.9
         assert exchange_of(surface, 1) is not first  # only the latest is kept
         assert computed.call_count == 3
+        computed.reset_mock()  # it remembers what it was called with
     del surface, other, first
     gc.collect()
     assert not interreflection._LATEST  # and not beyond its Surface's life
