@@ -10,7 +10,9 @@ lights, and the note has every one.
 from __future__ import annotations
 
 import argparse
+import sys
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -45,27 +47,24 @@ class Scenery:
         return np.array(ours), np.array(theirs)
 
 
-def rows(name: str, scenery: Scenery, kind: str, quick: bool) -> list[Record]:
+def rows(name: str, scenery: Scenery, kind: str, quick: bool) -> Iterator[Record]:
     """Return the table of one head under one kind of light."""
     surface = scenery.surface
     size = f"{name} {surface.shape[0]} x {surface.shape[1]}, {kind}"
-    records = [
-        record("no shadows, order 2", size, 9, scenery, 0.0, scenery.errors(surface, order=2)),
-        record("no shadows, exact", size, 0, scenery, 0.0, scenery.errors(surface)),
-    ]
+    yield record("no shadows, order 2", size, 9, scenery, 0.0, scenery.errors(surface, order=2))
+    yield record("no shadows, exact", size, 0, scenery, 0.0, scenery.errors(surface))
     ways = [("a mesh", surface), ("its depth map alone", replace(surface, scene=None, transports=()))]
     for way, seen in ways:
         for order in ORDERS:
             seconds = transport_seconds(seen, order, 1 if quick else 3)
             found = scenery.errors(seen, order=order, shadows=True)
             label = f"shadows of {way}, order {order}"
-            records.append(record(label, size, (order + 1) ** 2, scenery, seconds, found))
+            yield record(label, size, (order + 1) ** 2, scenery, seconds, found)
         label = f"shadows of {way}, exact"
         start = time.perf_counter()
         found = scenery.errors(seen, shadows=True)
         seconds = (time.perf_counter() - start) / len(scenery.lights)
-        records.append(record(label, size, 0, scenery, seconds, found))
-    return records
+        yield record(label, size, 0, scenery, seconds, found)
 
 
 def record(
@@ -100,7 +99,7 @@ def transport_seconds(surface: hf.Surface, order: int, repeats: int) -> float:
 def main() -> None:
     """Print the records, and write them if asked."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="one head at 64 x 64 under two lights of each kind")
+    parser.add_argument("--quick", action="store_true", help="one head at 32 x 32 under two lights of each kind")
     parser.add_argument("--json", help="write the records here")
     options = parser.parse_args()
     if not DATA.is_dir():
@@ -110,12 +109,14 @@ def main() -> None:
     natural = {label: light for label, light in everywhere.items() if label not in lamps}
     found: list[Record] = []
     for name in ["LeePerrySmith"] if options.quick else ["LeePerrySmith", "ICT 0"]:
-        surface = heads()[name](64 if options.quick else 128)
+        surface = heads()[name](32 if options.quick else 128)
         for kind, lit in (("natural light", natural), ("one lamp", lamps)):
             some = dict(list(lit.items())[-2:]) if options.quick else lit
             scenery = Scenery(surface, some, MOST_QUICK)
-            found += rows(name, scenery, kind, options.quick)
-    print_records(found)
+            for row in rows(name, scenery, kind, options.quick):
+                print_records([row])
+                sys.stdout.flush()
+                found.append(row)
     if options.json:
         write_records(options.json, found)
 

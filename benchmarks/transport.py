@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -204,14 +206,14 @@ def peak_bytes(function: Callable[[], object]) -> int:
     return peak
 
 
-def scan() -> Surface | None:
+def scan(size: int) -> Surface | None:
     """Return the scanned head's face by its depth alone, None without the data."""
     folder = DATA / "heads" / "LeePerrySmith"
     if not folder.is_dir():
         print(f"without the scan: {folder} is not there (set HARMONICFACE_DATA)")
         return None
     seen = load_surface(
-        folder / "LeePerrySmith.glb", 128, texture=folder / "Map-COL.jpg", flip_texture=True, frame=FACE
+        folder / "LeePerrySmith.glb", size, texture=folder / "Map-COL.jpg", flip_texture=True, frame=FACE
     )
     return Surface(seen.normals, seen.albedo, seen.mask, seen.depth, seen.pixel_size)
 
@@ -219,14 +221,25 @@ def scan() -> Surface | None:
 def main() -> None:
     """Print the records, and write them if asked."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="fewer rays in the reference, the peer at a tenth of them")
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="faces at 64 x 64, fewer rays in the reference, the peer at a tenth of them",
+    )
     parser.add_argument("--json", help="write the records here")
     options = parser.parse_args()
-    found = list(nine_images(10**6, 10 if options.quick else 30))
-    found += transports("a synthetic person", synthetic_person(0, 128), options.quick)
-    if (face := scan()) is not None:
-        found += transports("a scanned face", face, options.quick)
-    print_records(found)
+    size = 64 if options.quick else 128
+    rows = [
+        nine_images(*(10**5, 5) if options.quick else (10**6, 30)),
+        transports("a synthetic person", synthetic_person(0, size), options.quick),
+    ]
+    if (face := scan(size)) is not None:
+        rows.append(transports("a scanned face", face, options.quick))
+    found = []
+    for row in chain.from_iterable(rows):
+        print_records([row])
+        sys.stdout.flush()
+        found.append(row)
     if options.json:
         write_records(options.json, found)
 
