@@ -20,7 +20,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", help="of yaleB01, yaleB02, ...")
     faces = load_yale_b(parser.parse_args().folder)
-    gallery = Gallery()
+    gallery = Gallery("harmonic9")
     for person in enrolled_people(faces):
         gallery.enroll(person.name, person.surface)
     photos = [

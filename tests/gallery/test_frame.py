@@ -63,3 +63,21 @@ def test_pictures_that_do_not_fit() -> None:
         FRAME.place(np.ones((1, 6)), np.ones((3, 2), np.bool_))
     with pytest.raises(HarmonicFaceError, match="surface: expected some of its pixels inside the gallery's mask, got"):
         FRAME.place(np.ones((1, 2)), ~MASK)
+
+
+@pytest.mark.parametrize("shift", [(0, 0), (2, 1), (-1, 3), (0, -2)])
+def test_pixels_are_moved_within_the_frame(shift: tuple[int, int]) -> None:
+    mask = np.ones((6, 7), np.bool_)
+    mask[0, :3] = False
+    frame = Frame(mask)
+    picture = np.arange(1.0, 43.0).reshape(6, 7)
+    good = np.ones(frame.pixels, np.bool_)
+    good[4] = False
+    moved, known = frame.moved(picture[mask], good, shift)
+    for place, (y, x) in enumerate(np.argwhere(mask)):
+        from_y, from_x = y - shift[1], x - shift[0]
+        inside = 0 <= from_y < 6 and 0 <= from_x < 7 and bool(mask[from_y, from_x])
+        there = inside and bool(frame.picture(good.astype(float))[from_y, from_x])
+        assert known[place] == there
+        if there:
+            assert moved[place] == picture[from_y, from_x]

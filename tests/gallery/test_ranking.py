@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from harmonicface.gallery.ranking import ROUNDING, rank
+from harmonicface.gallery.ranking import ROUNDING, rank, shortlist
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.recognition.subspace import Subspace
 
@@ -71,3 +71,19 @@ def test_ties_keep_the_order_of_enrolment(top: int) -> None:
         rows.append(same)
     photo = np.ones(PIXELS) / np.sqrt(PIXELS)
     assert [index for _, index in rank(rows, photo, EVERYWHERE, top)] == list(range(top))
+
+
+@pytest.mark.parametrize("masked", [False, True])
+def test_a_shortlist_holds_the_first(masked: bool) -> None:
+    rows, pictures = people(3, 12)
+    rng = np.random.default_rng(4)
+    good = rng.permutation(PIXELS) < 20 if masked else EVERYWHERE
+    photo = rng.normal(size=PIXELS)
+    expected = sorted(index for _, index in brute(pictures, photo, good)[:5])
+    assert shortlist(rows, 1e-3 * photo[good], good, 5).tolist() == expected
+
+
+def test_a_shortlist_of_a_dark_photograph_or_of_everybody() -> None:
+    rows, _ = people(5, 4)
+    assert shortlist(rows, np.zeros(PIXELS), EVERYWHERE, 3).tolist() == [0, 1, 2]
+    assert shortlist(rows, np.ones(PIXELS), EVERYWHERE, 9).tolist() == [0, 1, 2, 3]

@@ -249,3 +249,29 @@ def test_a_save_that_fails_leaves_the_old_file_and_no_other(path: Path, monkeypa
         gallery.save(path)
     assert path.read_bytes() == before
     assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_gallery_of_the_first_version_opens(path: Path) -> None:
+    arrays, header = read_arrays(path)
+    write_arrays(path, arrays, {**header, "version": "1"})
+    same_answers(hf.Gallery.open(path), small_gallery())
+
+
+TEMPLATES = {
+    "no templates": lambda arrays, *_: arrays.pop("templates"),
+    "a template too few": put("templates", lambda templates: templates[:-1]),
+    "templates of another size": put("templates", lambda templates: templates[:, 1:]),
+    "templates in float32": put("templates", lambda templates: templates.astype(np.float32)),
+    "templates of NaN": put("templates", lambda templates: templates * np.float16(np.nan)),
+    "templates beyond what patterns are": put("templates", lambda templates: templates + np.float16(10)),
+    "a threshold of infinity": say("threshold", float("inf")),
+}
+
+
+@pytest.mark.parametrize("change", TEMPLATES.values(), ids=TEMPLATES)
+def test_templates_that_do_not_fit(tmp_path: Path, change: Callable[[dict, dict, dict], None]) -> None:
+    gallery = hf.Gallery()
+    for index, person in enumerate(hf.synthetic_people(2, 24, seed=1)):
+        gallery.enroll(str(index), person)
+    gallery.save(tmp_path / "people.gallery")
+    assert "expected a gallery that agrees with itself" in changed(tmp_path / "people.gallery", change)
