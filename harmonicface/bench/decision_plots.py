@@ -118,7 +118,9 @@ def det_picture(curves: Mapping[str, ErrorCurve]) -> bytes:
         labels = [f"{100 * tick:g} %" for tick in TICKS]
         axis.set_xticks(norm.ppf(TICKS), labels)
         axis.set_yticks(norm.ppf(TICKS), labels)
-        axis.plot(*[norm.ppf([LEAST, 0.8])] * 2, color="#c9ced2", linewidth=0.8, zorder=0)
+        axis.set_xlim(norm.ppf(0.8 * LEAST), norm.ppf(TICKS[-1]))
+        axis.set_ylim(norm.ppf(0.8 * LEAST), norm.ppf(TICKS[-1]))
+        axis.plot(*[norm.ppf([LEAST, TICKS[-1]])] * 2, color="#c9ced2", linewidth=0.8, zorder=0)
         axis.set_xlabel("false match rate")
         axis.set_ylabel("false non-match rate")
 
@@ -132,6 +134,7 @@ def cmc_picture(curves: Mapping[str, ArrayLike]) -> bytes:
         for name, curve, style in _styled(curves):
             shown = np.asarray(curve)[:RANKS]
             axis.plot(np.arange(1, len(shown) + 1), 100 * shown, "o-", markersize=4, label=name, **style)
+        axis.set_ylim(min(95.0, 100 * min(float(np.min(one)) for one in curves.values()) - 2), 100.5)
         axis.set_xlabel("among the first")
         axis.set_ylabel("searches that find the right person, %")
 
