@@ -44,7 +44,7 @@ def main() -> None:
         sys.exit(130)
 
 
-def _warn(message: Warning | str, category: type[Warning], *_: object) -> None:
+def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
     """Print a warning to people as one line; those to programmers are for them."""
     if issubclass(category, UserWarning):
         print(f"harmonicface: {' '.join(str(message).split())}", file=sys.stderr)
