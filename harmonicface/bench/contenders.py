@@ -105,10 +105,19 @@ class GalleryContender:
         """Enrol one person by what the model can use."""
         if self.gallery.model != DEFAULT_MODEL or (person.known is not None and person.lights is None):
             self.gallery.enroll(person.name, person.surface)
-        elif person.known is not None:
-            self.gallery.enroll(person.name, person.photographs, person.lights)
         else:
-            self.gallery.enroll(person.name, person.photographs)
+            self._enroll_photographs(person)
+
+    def _enroll_photographs(self, person: Person) -> None:
+        """Enrol photographs with their lights, or without where they are too different to be registered."""
+        if person.known is not None:
+            try:
+                self.gallery.enroll(person.name, person.photographs, person.lights)
+            except HarmonicFaceError:
+                pass
+            else:
+                return
+        self.gallery.enroll(person.name, person.photographs)
 
 
 class ShiftedContender:

@@ -14,13 +14,13 @@ from harmonicface.bench.degradation import Picture
 from harmonicface.bench.ordeals import ENROLMENT, ORDEALS, Ordeal, reduced_photo
 from harmonicface.bench.yale_b import Progress, learned
 from harmonicface.bench.yale_contenders import yale_contender
+from harmonicface.bench.yale_protocols import CHOSEN_ON
 from harmonicface.datasets.yale_b import YalePerson
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.intervals import Rate, rate
 
 CURVE_METHODS = ("default", "harmonic9", "lbph", "tan_triggs")
 LEARNED_SUBSET = 1
-CHOSEN_ON = range(1, 6)  # people whose photographs settings were chosen on; the others judge
 
 
 @dataclass(frozen=True)

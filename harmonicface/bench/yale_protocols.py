@@ -17,6 +17,7 @@ SUBSETS = (1, 2, 3, 4, 5)
 PUBLISHED_PEOPLE = range(1, 11)  # whose photographs in subsets 1 to 4 are the 450 of the published tables
 PUBLISHED_SUBSETS = (1, 2, 3, 4)
 SEEDS = 10
+CHOSEN_ON = range(1, 6)  # people whose photographs settings were chosen on; the others judge
 
 Chosen = NDArray[np.bool_]
 Chooser = Callable[[YalePerson, int], Chosen]

@@ -8,18 +8,21 @@ import os
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from harmonicface.bench.decision_plots import decision_section
 from harmonicface.bench.measure import machine
 from harmonicface.bench.page import definitions, encoded, image, page, table
 from harmonicface.bench.published import published
 from harmonicface.bench.table import published_table, yale_table
 from harmonicface.bench.yale_plots import OURS, by_error, overall, subsets_picture, time_picture
-from harmonicface.bench.yale_protocols import published_size, yale_protocol
+from harmonicface.bench.yale_protocols import CHOSEN_ON, published_size, yale_protocol
 from harmonicface.bench.yale_result import Query, YaleResult, as_json
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
 
 MOST_MISSED = 16  # photographs shown
+MOST_CURVES = 6  # methods in a plot of decisions
 COUNTED = "Photographs that were learned from are asked for again, as in the published tables."
 NOT_COUNTED = "Photographs that were learned from are not asked for."
 
@@ -61,13 +64,14 @@ def _page(result: YaleResult) -> str:
         "queries": sum(result.n.values()),
         "spoiled": _spoiled(result),
         "examples": _examples(result),
+        "unseen": html.escape(_unseen(result)),
         "counting": COUNTED if protocol.asks_training else NOT_COUNTED,
         "subsets": image(subsets_picture(result), "error by method and subset"),
         "errors": table(*yale_table(result), OURS),
         "left_out": _left_out(result),
         "times": image(time_picture(result), "error against time"),
         "published": _published(result),
-        "decisions": "",
+        "decisions": _decisions(result),
         "missed": _missed(result),
         "machine": html.escape(f"{about['processor']}, {about['cores']} cores, Python {about['python']}"),
         "packages": html.escape(", ".join(f"{name} {number}" for name, number in dict(about["packages"]).items())),  # type: ignore[call-overload]
@@ -80,6 +84,15 @@ def _headline(result: YaleResult) -> str:
     name = OURS if OURS in result.methods else by_error(result)[0][0]
     method = result.methods[name]
     return f"{name}: {overall(method):.2f} % of {sum(method.asked.values())} photographs given to the wrong person"
+
+
+def _unseen(result: YaleResult) -> str:
+    """Say how our method does on people on whom its settings were not chosen."""
+    found = result.methods[OURS].unseen(result.people) if OURS in result.methods else None
+    if found is None:
+        return ""
+    first, last = CHOSEN_ON[0], CHOSEN_ON[-1]
+    return f"Settings of {OURS} were chosen on people {first} to {last}; on the others alone its error is {found}."
 
 
 def _spoiled(result: YaleResult) -> str:
@@ -97,6 +110,19 @@ def _examples(result: YaleResult) -> str:
         shown[query.subset] = query  # the last one: far from the camera's axis
     captions = [(shown[subset], f"subset {subset}: {shown[subset].file}") for subset in sorted(shown)]
     return _row(captions)
+
+
+def _decisions(result: YaleResult) -> str:
+    """Show how well scores decide, for ours and the best others that tell how far everybody is."""
+    ranked = [name for name, _ in by_error(result) if name != OURS]
+    told: dict[str, NDArray[np.float64]] = {}
+    people: list[int] = []
+    for name in [OURS, *ranked] if OURS in result.methods else ranked:
+        answers = result.methods[name].answers
+        if answers is not None and answers.distances is not None and len(told) < MOST_CURVES:
+            told[name] = answers.distances
+            people = [query.person for query in answers.queries]  # the same for every method
+    return decision_section(told, people) if told else ""
 
 
 def _missed(result: YaleResult) -> str:

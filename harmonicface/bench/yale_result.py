@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.bench.degradation import Picture
-from harmonicface.bench.yale_protocols import PUBLISHED_SUBSETS, SUBSETS
+from harmonicface.bench.yale_protocols import CHOSEN_ON, PUBLISHED_SUBSETS, SUBSETS
 from harmonicface.recognition.intervals import Rate, rate
 
 TOTALS = {"1-4": PUBLISHED_SUBSETS, "1-5": SUBSETS}
@@ -102,11 +102,26 @@ class YaleMethod:
         """
         names = [str(subset) for subset in subsets]
         trials = sum(self.asked.get(name, 0) for name in names)
-        if not trials:
-            return None
-        events = sum(self.wrong.get(name, 0) for name in names)
+        return self._rate(sum(self.wrong.get(name, 0) for name in names), trials) if trials else None
+
+    def _rate(self, events: int, trials: int) -> Rate:
+        """Return a rate whose interval is that of one division."""
         one = rate(round(events / self.splits), max(round(trials / self.splits), 1))
         return Rate(events, trials, events / trials, one.low, one.high)
+
+    def wrong_by_person(self, people: Sequence[int]) -> dict[int, tuple[int, int]]:
+        """Return wrong answers and photographs asked for by the people's numbers; nothing if answers were not kept."""
+        if self.answers is None:
+            return {}
+        asked = np.bincount([query.person for query in self.answers.queries], minlength=len(people))
+        wrong = np.bincount([query.person for query, _ in self.answers.missed()], minlength=len(people))
+        return {number: (int(wrong[index]), int(asked[index])) for index, number in enumerate(people)}
+
+    def unseen(self, people: Sequence[int]) -> Rate | None:
+        """Return the error on people on whom no setting was chosen; None if none of them was asked for."""
+        counts = [pair for number, pair in self.wrong_by_person(people).items() if number not in CHOSEN_ON]
+        wrong, asked = (sum(pair[which] for pair in counts) for which in (0, 1))
+        return self._rate(wrong, asked) if asked else None
 
     def totals(self) -> dict[str, Rate]:
         """Return the errors over subsets 1 to 4, as published, and over all five, where anything was asked."""
@@ -158,7 +173,7 @@ def as_json(result: YaleResult) -> dict[str, object]:
         "train": result.train,
         "people": result.people,
         "n": result.n,
-        "methods": {name: _method(method) for name, method in result.methods.items()},
+        "methods": {name: _method(method, result.people) for name, method in result.methods.items()},
         "noise": result.noise,
         "jpeg": result.jpeg,
         "splits": result.splits,
@@ -166,13 +181,14 @@ def as_json(result: YaleResult) -> dict[str, object]:
     }
 
 
-def _method(method: YaleMethod) -> dict[str, object]:
+def _method(method: YaleMethod, people: Sequence[int]) -> dict[str, object]:
     """Return one method's figures."""
     found = method.totals()
     return {
         "error_percent": method.error_percent,
         "ms_per_query": method.ms_per_query,
         "wrong": method.wrong,
+        "wrong_by_person": {str(number): wrong for number, (wrong, _) in method.wrong_by_person(people).items()},
         "total_percent": {total: 100 * one.value for total, one in found.items()},
         "total_interval_percent": {total: [100 * one.low, 100 * one.high] for total, one in found.items()},
     }

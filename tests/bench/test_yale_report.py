@@ -41,6 +41,8 @@ def test_the_page_holds_everything(result: YaleResult, tmp_path: Path) -> None:
         "RLS(LOG-DCT)",
         "Xie, Zheng",
         "on other photographs than ours",
+        "<h2>Decisions</h2>",
+        'alt="CMC"',
     ):
         assert told in text
     assert text.count("<figure>") >= 5
@@ -58,9 +60,12 @@ def test_photographs_that_were_missed_are_shown(result: YaleResult, tmp_path: Pa
     text = write_yale_report(other, tmp_path).read_text(encoding="utf-8")
     assert "default: 100.00 % of 39 photographs given to the wrong person" in text
     assert "39 photographs, the first 16 shown" in text
+    assert "chosen on" not in text
+    others = write_yale_report(replace(other, people=[1, 2, 6]), tmp_path).read_text(encoding="utf-8")
+    assert "Settings of default were chosen on people 1 to 5; on the others alone its error is 100 % (75.3 to" in others
     assert "taken for yaleB02" in text
     assert "Left out" not in text
-    none = write_yale_report(replace(result, train="subset12"), tmp_path).read_text(encoding="utf-8")
+    none = write_yale_report(replace(other, train="subset12"), tmp_path).read_text(encoding="utf-8")
     assert "Published" not in none
 
 
@@ -69,6 +74,9 @@ def test_without_our_method_the_best_one_is_told(result: YaleResult, tmp_path: P
     text = write_yale_report(replace(result, methods=methods, noise=0.0, jpeg=None), tmp_path).read_text()
     assert f"<h1>{by_error(result)[0][0] if by_error(result)[0][0] != 'default' else by_error(result)[1][0]}: " in text
     assert "misses" not in text
+    assert "<h2>Decisions</h2>" in text
+    silent = {name: replace(method, answers=None) for name, method in methods.items()}
+    assert "Decisions" not in write_yale_report(replace(result, methods=silent), tmp_path).read_text()
     assert "as they are." in text
 
 

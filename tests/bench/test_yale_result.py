@@ -41,10 +41,20 @@ def test_ten_divisions_ask_for_the_same_photographs() -> None:
     assert ten.value == 0.021
 
 
+def test_people_on_whom_nothing_was_chosen_judge() -> None:
+    method = YaleMethod.of(Answers(QUERIES, [0, 1, 1, 1, 0, 0]), [0.001] * 6)
+    assert method.wrong_by_person([3, 7]) == {3: (1, 3), 7: (1, 3)}
+    found = method.unseen([3, 7])
+    assert found is not None and (found.events, found.trials) == (1, 3)
+    assert method.unseen([3, 4]) is None
+    assert YaleMethod({}, 1.0).unseen([3, 7]) is None
+
+
 def test_json_keeps_its_keys() -> None:
     method = YaleMethod.of(Answers(QUERIES, [0] * 6), [0.001] * 6)
     found = json.loads(json.dumps(as_json(YaleResult("yale-b", "frontal", [1, 2], {"1": 2}, {"default": method}))))
     assert {"protocol", "train", "people", "n", "methods"} <= set(found)
     assert {"error_percent", "ms_per_query"} <= set(found["methods"]["default"])
+    assert found["methods"]["default"]["wrong_by_person"] == {"1": 0, "2": 3}
     low, high = found["methods"]["default"]["total_interval_percent"]["1-4"]
     assert low < found["methods"]["default"]["total_percent"]["1-4"] == 40 < high
