@@ -22,8 +22,10 @@ SIDE = 2 * REACH + 1
 NEARBY = 4
 TURNS = np.radians(np.arange(-6, 7, 2))  # of the trials; what is between them is found by the blocks' own places
 GROWTHS = np.arange(-6, 7, 2) / 100
-SHIFTS = np.arange(-8, 9, 2)  # each block is free by a pixel around a trial
-CHARGE = 0.003  # of correlation, for a pixel by which blocks are displaced in the mean
+COARSE = np.array([-4, 0, 4])  # degrees and percent: tell who may be in the photograph
+LEADERS = 6  # of whom all trials are made
+SHIFTS = np.arange(-10, 11, 2)  # each block is free by a pixel around a trial
+CHARGE = 0.002  # of correlation, for a pixel by which blocks are displaced in the mean
 PRIOR = (0.1, 0.1, 8.0, 8.0)  # usual turn, growth and shifts: what they are where blocks tell little
 ROUNDS = 3
 FLOOR = 0.1  # of correlation: blocks with less tell nothing of their place
@@ -86,10 +88,12 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """Where a person is found.
+    """Who of some people is found, and where.
 
     Parameters
     ----------
+    index
+        Of the person for whom there are most votes.
     placement
         In pixels of the grid.
     votes
@@ -98,63 +102,65 @@ class Placed:
         By how much this is more than shifts alone reach that `similarity` tries too; 0 if one of those is the best.
     """
 
+    index: int
     placement: Placement
     votes: float
     gain: float
 
 
-def placed(query: Pattern, templates: Sequence[Template]) -> list[Placed]:
-    r"""Find where a photograph shows each of a few people, whatever its light.
+def placed(query: Pattern, templates: Sequence[Template]) -> Placed:
+    r"""Find whom of some people a photograph shows and where, whatever its light.
 
     Each 12 x 12 block of a template is correlated with the photograph's patterns at all displacements up to 10 pixels,
     and votes for all motions that put it there. With c_b the correlation of block b at the middle x_b, free by a pixel,
     and u its displacement by a motion, the motion with the most votes is
 
-    .. math:: \max_m \frac{1}{n} \sum_b c_b(u_m(x_b)) - \kappa |u_m|
+    .. math:: \max_{m} \frac{1}{n} \sum_b c_b(u_m(x_b)) - \kappa |u_m|
 
-    over turns and growths of up to 6 degrees and percent and shifts of up to 8 pixels; the charge is the logarithm of a
-    prior by which people move little. Then each block's own best place about it, to a fraction of a pixel, gives the
-    similarity that fits them best, by least squares in which blocks that correlate more count more and those that
-    disagree with the others less.
+    over turns and growths of up to 6 degrees and percent and shifts of up to 10 pixels; the charge is the logarithm of
+    a prior by which people move little. Of many people, a few of these trials tell who is looked at closely. Then each
+    block's own best place about it, to a fraction of a pixel, gives the similarity that fits them best, by least
+    squares in which blocks that correlate more count more and those that disagree with the others less.
 
     Parameters
     ----------
     query
         (3, h, w) `patterns` of the photograph.
     templates
-        Of whom to find, on the same (h, w).
+        Of at least one person, on the same (h, w).
 
     Raises
     ------
     HarmonicFaceError
-        Another shape.
+        Nobody, or another shape.
 
     Examples
     --------
     >>> from harmonicface.recognition.patterns import patterns
     >>> face = np.random.default_rng(0).uniform(0.1, 1, (48, 48))
     >>> found = placed(patterns(np.roll(face, 7, axis=1)), [Template.of([patterns(face)])])
-    >>> round(found[0].placement.right), round(found[0].placement.down), found[0].gain > 0
-    (7, 0, True)
+    >>> found.index, round(found.placement.right), round(found.placement.down), found.gain > 0
+    (0, 7, 0, True)
     """
     for template in templates:
         _check(query, template)
     if not templates:
-        return []
+        raise HarmonicFaceError("templates: expected at least one, got none")
     flat = query.sum(axis=0)
     blocks = _blocks(flat, templates)
     maps = _maps(flat, blocks, REACH)
-    trials = _trials(flat.shape)
     shared = np.maximum(blocks.any(axis=2).sum(axis=0), 1)
-    votes = _votes(maps, trials) / shared[:, None] - CHARGE * trials.displacements
-    middles = _middles(flat.shape)
-    found = []
-    for one, person in zip(votes, maps, strict=True):
-        best = int(one.argmax())
-        start = trials.motions[best] if one[best] > 0 else np.zeros(4)
-        placement = _as_placement(_refined(person, middles, start))
-        found.append(Placed(placement, float(one[best]), float(one[best] - one[trials.usual].max())))
-    return found
+    leaders = np.arange(len(templates))
+    if len(templates) > LEADERS:
+        votes = _votes(maps, shared, _trials(flat.shape, fine=False)).max(axis=1)
+        leaders = np.argsort(-votes, kind="stable")[:LEADERS]
+    trials = _trials(flat.shape, fine=True)
+    votes = _votes(maps[leaders], shared[leaders], trials)
+    place, best = (int(index) for index in np.unravel_index(votes.argmax(), votes.shape))
+    most, person = float(votes[place, best]), int(leaders[place])
+    start = trials.motions[best] if most > 0 else np.zeros(4)
+    placement = _as_placement(_refined(maps[person], _middles(flat.shape), start))
+    return Placed(person, placement, most, float(most - votes[place, trials.usual].max()))
 
 
 def placed_nearby(query: Pattern, template: Template, shift: tuple[int, int] = (0, 0)) -> Placement:
@@ -214,9 +220,10 @@ class _Trials:
 
 
 @cache
-def _trials(shape: tuple[int, int]) -> _Trials:
-    """Return all trials on a grid."""
-    motions = np.stack(np.meshgrid(TURNS, GROWTHS, SHIFTS, SHIFTS, indexing="ij"), axis=-1).reshape(-1, 4).astype(float)
+def _trials(shape: tuple[int, int], fine: bool) -> _Trials:
+    """Return all trials on a grid, or a few."""
+    turns, growths = (TURNS, GROWTHS) if fine else (np.radians(COARSE), COARSE / 100)
+    motions = np.stack(np.meshgrid(turns, growths, SHIFTS, SHIFTS, indexing="ij"), axis=-1).reshape(-1, 4).astype(float)
     displaced = _displaced(motions[:, None], _middles(shape))
     right, down = (np.rint(one).astype(np.intp) + REACH for one in displaced)
     inside = (right >= 0) & (right < SIDE) & (down >= 0) & (down < SIDE)
@@ -264,12 +271,16 @@ def _maps(flat: Pattern, blocks: Pattern, reach: int) -> Pattern:
     return maps
 
 
-def _votes(maps: Pattern, trials: _Trials) -> Pattern:
-    """Return the sums of correlations over blocks for each trial, (n, m), each block free by a pixel."""
+def _votes(maps: Pattern, shared: NDArray[np.intp], trials: _Trials) -> Pattern:
+    """Return the mean correlation of blocks for each trial, each block free by a pixel, less the charge, (n, m)."""
     people, blocks = maps.shape[:2]
-    flat = np.zeros((people, blocks, SIDE * SIDE + 1), np.float32)
-    flat[:, :, :-1] = _largest_around(_largest_around(maps).swapaxes(2, 3)).swapaxes(2, 3).reshape(people, blocks, -1)
-    return np.asarray(np.take(flat.reshape(people, -1), trials.places, axis=1).sum(axis=2))
+    free = _largest_around(_largest_around(maps).swapaxes(2, 3)).swapaxes(2, 3)
+    votes = np.empty((people, len(trials.motions)), np.float32)
+    padded = np.zeros((blocks, SIDE * SIDE + 1), np.float32)
+    for person, own in enumerate(free):
+        padded[:, :-1] = own.reshape(blocks, -1)
+        np.sum(np.take(padded, trials.places), axis=1, out=votes[person])
+    return np.asarray(votes / shared[:, None].astype(np.float32) - CHARGE * trials.displacements.astype(np.float32))
 
 
 def _largest_around(maps: Pattern) -> Pattern:
