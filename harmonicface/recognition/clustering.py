@@ -30,6 +30,11 @@ class HarmonicClustering(ClusterMixin, BaseEstimator):  # type: ignore[misc]
     in between link those of one person to each other (Ho, Yang, Lim, Lee & Kriegman, Clustering appearances of objects
     under varying illumination conditions, CVPR 2003, with conic and gradient affinities; here with local patterns too).
 
+    Settings were chosen on people 1 to 5 of Yale B. On 6 to 11, on the ten people with 64 photographs each and on all
+    eleven patterns make no error, and find how many people there are; gradients, which are 40 times faster, 0, 5.2 and
+    4.9 % when told; cones 20 to 55 % (`benchmarks/clustering.py`). 640 photographs take about 12 seconds of one core
+    and 3 MB a matrix. A number that is not told needs more photographs a person than `n_neighbors`.
+
     Parameters
     ----------
     n_clusters
