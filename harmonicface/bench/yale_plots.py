@@ -93,9 +93,11 @@ def _name_points(axis: matplotlib.axes.Axes, points: Sequence[tuple[str, float, 
     for name, milliseconds, percent in sorted(points, key=lambda point: point[2]):
         x, y = into.transform(axis.transData.transform((milliseconds, percent)))
         start = x + 0.02
-        end, height = start + LETTER * len(name), y
+        end, step = start + LETTER * len(name), 0
+        height = y
         while any(abs(height - other) < LABEL and start < right and left < end for left, right, other in placed):
-            height += LABEL / 3
+            step += 1
+            height = y + LABEL / 3 * (step // 2 if step % 2 == 0 else -(step + 1) // 2)  # below and above in turn
         placed.append((start, end, height))
         ours = name == OURS
         axis.annotate(

@@ -166,7 +166,8 @@ def _published(result: YaleResult) -> str:
     sources: dict[str, list[str]] = {}
     for row in published(result.train):
         sources.setdefault(row.source, []).append(row.name)
-    told = " ".join(f"{', '.join(names)}: {source}." for source, names in sources.items())
+    alone = len(sources) == 1
+    told = " ".join(f"{source}." if alone else f"{'; '.join(names)}: {source}." for source, names in sources.items())
     return (
         "<h2>Published beside ours</h2>"
         f"<p>In %, with 95 % intervals of Clopper &amp; Pearson; the published ones {same}. "
