@@ -176,3 +176,17 @@ def test_cast_shadows_where_attached_ones_fail(data_dir: Path) -> None:
         assert 100 * (explained.argmax(axis=0) != truth).mean() <= target
         found = np.array([searching.nearest(photo) for photo in photographs])
         assert 100 * (found != truth).mean() <= target
+
+
+@pytest.mark.data
+def test_nine_real_lights_as_published(data_dir: Path) -> None:
+    result = evaluate_yale_b(data_dir / "yaleb", range(1, 11), "nine-lights", ["nine_points_real"])
+    assert sum(result.n.values()) == 550
+    assert result.methods["nine_points_real"].totals()["1-4"].events == 0  # Lee, Ho & Kriegman 2005 print 0
+
+
+@pytest.mark.data
+def test_one_photograph_a_person_on_people_on_whom_nothing_was_chosen(data_dir: Path) -> None:
+    result = evaluate_yale_b(data_dir / "yaleb", [6, 7, 8], "frontal", ["default", "correlation"], noise=0.01)
+    assert result.methods["default"].error_percent == dict.fromkeys("12345", 0.0)
+    assert sum(result.methods["correlation"].wrong.values()) > 20
