@@ -19,8 +19,8 @@ from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.portrait import Portrait
-from harmonicface.gallery.ranking import rank, shortlist
-from harmonicface.gallery.registered import registered_look
+from harmonicface.gallery.ranking import displaced_shortlist, rank, shortlist
+from harmonicface.gallery.registered import Registered, registered_look
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.gallery.second_look import judged
 from harmonicface.gallery.storage import DEFAULT_MODEL
@@ -379,11 +379,9 @@ class Gallery:
 
     def _looked(self, pixels: Floats, good: NDArray[np.bool_], count: int) -> Match:
         """Match by a second look at a shortlist."""
-        chosen = shortlist(self._stack, pixels[good].astype(np.float64), good, max(count, self.shortlist))
-        people = [self._portraits[index] for index in chosen]
         frame = self._frame
         assert frame is not None
-        seen = registered_look(frame, pixels, good, people)
+        chosen, seen = self._seen(frame, pixels, good, max(count, self.shortlist))
         verdict = judged(seen.look, self._pixels_of_grid())
         names, order = self.names, verdict.order[: max(count, 2)]
         candidates = [
@@ -407,9 +405,23 @@ class Gallery:
             candidates=tuple(candidates[:count]),
             domain=PATTERNS,
             reason=reason,
-            motion=seen.motion(best, people[best], frame.shape),
+            motion=seen.motion(best, self._portraits[winner], frame.shape),
             evidence=self._evidence(winner, seen.pixels, seen.good, where, first.score or 0.0, reason),
         )
+
+    def _seen(
+        self, frame: Frame, pixels: Floats, good: NDArray[np.bool_], count: int
+    ) -> tuple[NDArray[np.intp], Registered]:
+        """Look at a shortlist, and if nobody on it is sure, at one of people who may be displaced."""
+        chosen = shortlist(self._stack, pixels[good].astype(np.float64), good, count)
+        seen = registered_look(frame, pixels, good, [self._portraits[index] for index in chosen])
+        if seen.sure or len(chosen) == len(self):
+            return chosen, seen
+        others = displaced_shortlist(self._stack, frame, pixels.astype(np.float64), good, count)
+        if np.array_equal(others, chosen):
+            return chosen, seen
+        again = registered_look(frame, pixels, good, [self._portraits[index] for index in others])
+        return (others, again) if again.score > seen.score else (chosen, seen)
 
     def _evidence(
         self,
