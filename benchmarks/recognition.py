@@ -78,7 +78,7 @@ def main() -> None:
         return
     faces = load_yale_b(DATA, QUICK_PEOPLE if options.quick else None)
     with progress() as tell:
-        points = error_curves(faces, queries=6 if options.quick else 24, every=3 if options.quick else 1, progress=tell)
+        points = error_curves(faces, queries=6 if options.quick else 12, every=3 if options.quick else 1, progress=tell)
         methods, queries = (QUICK_METHODS, 4) if options.quick else (YALE_METHODS, 12)
         timings = query_times(faces, methods, queries=queries, progress=tell)
     found = curve_records(points, len(faces)) + timing_records(timings)
