@@ -19,15 +19,15 @@ from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.portrait import Portrait
-from harmonicface.gallery.ranking import displaced_shortlist, rank, shortlist
-from harmonicface.gallery.registered import Registered, registered_look
+from harmonicface.gallery.ranking import rank, shortlist
 from harmonicface.gallery.rows import StackedRows
-from harmonicface.gallery.second_look import judged
+from harmonicface.gallery.second_look import judged, second_look
 from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.recognition.grid import grid
 from harmonicface.recognition.models import SUBSPACE_MODELS, harmonic9
 from harmonicface.recognition.patterns import Template
+from harmonicface.recognition.render_compare import Photograph
 from harmonicface.recognition.subspace import unit_photo
 from harmonicface.surfaces.surface import Surface
 
@@ -47,9 +47,9 @@ class Gallery:
     model
         "default": a plain projection finds a shortlist, on which everybody's local patterns are compared with the
         photograph's, and everybody is lit as the photograph is and compared again (`second_look`); it bears light
-        from the side with its cast shadows, noise and compression, and finds people who are displaced by up to 10 of
-        96 rows, turned or grown by up to 6 degrees or percent (`registered_look`). Or a projection alone, by what
-        spans the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4", "linear3".
+        from the side with its cast shadows, shifts by up to 4 of 96 rows, noise and compression. Or a projection
+        alone, by what spans the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4",
+        "linear3".
     mask
         (h, w) booleans: the pixels that are compared. By default all pixels of the first person enrolled. Where
         photographs have a background, leave it out of the mask; outside a person's own mask her images are 0.
@@ -261,12 +261,9 @@ class Gallery:
             ranked = rank(self._stack, unit_photo(pixels[good], int(good.sum())), good, len(self))
             distances = np.array([distance for distance, _ in sorted(ranked, key=lambda one: one[1])])[chosen]
             return SearchScores(names, -distances, distances, np.zeros((len(names), 2)))
-        frame = self._frame
-        assert frame is not None
-        seen = registered_look(frame, pixels, good, [self._portraits[index] for index in chosen])
-        verdict = judged(seen.look, self._pixels_of_grid())
-        shifts = np.array([seen.shift(place, frame.shape) for place in range(len(names))])
-        return SearchScores(names, verdict.scores, verdict.distances, shifts, verdict.blocks)
+        look = second_look(self._photograph(pixels, good), [self._portraits[index] for index in chosen])
+        verdict = judged(look, self._pixels_of_grid())
+        return SearchScores(names, verdict.scores, verdict.distances, verdict.shifts, verdict.blocks)
 
     def calibrate(
         self, fpir: float = 0.01, photographs: Sequence[ArrayLike] | None = None, names: Sequence[str] | None = None
@@ -379,49 +376,32 @@ class Gallery:
 
     def _looked(self, pixels: Floats, good: NDArray[np.bool_], count: int) -> Match:
         """Match by a second look at a shortlist."""
-        frame = self._frame
-        assert frame is not None
-        chosen, seen = self._seen(frame, pixels, good, max(count, self.shortlist))
-        verdict = judged(seen.look, self._pixels_of_grid())
+        chosen = shortlist(self._stack, pixels[good].astype(np.float64), good, max(count, self.shortlist))
+        look = second_look(self._photograph(pixels, good), [self._portraits[index] for index in chosen])
+        verdict = judged(look, self._pixels_of_grid())
         names, order = self.names, verdict.order[: max(count, 2)]
         candidates = [
             Candidate(
                 name=names[chosen[place]],
                 distance=float(verdict.distances[place]),
                 score=float(verdict.scores[place]),
-                shift=seen.shift(int(place), frame.shape),
+                shift=(float(verdict.shifts[place, 0]), float(verdict.shifts[place, 1])),
                 source=self._sources[names[chosen[place]]],
             )
             for place in order
         ]
-        first, winner, best = candidates[0], int(chosen[order[0]]), int(order[0])
+        first = candidates[0]
         reason = verdict.unknown(self.threshold)
-        where = seen.shift_seen(best, frame.shape)
         return Match(
             name=first.name if reason is None else None,
             distance=first.distance,
             margin=_ratio(candidates[1].distance, first.distance) if len(candidates) > 1 else 1.0,
-            light=self._light(winner, seen.pixels, seen.good, where) if pixels[good].any() else None,
+            light=self._light(int(chosen[order[0]]), pixels, good, first.shift) if pixels[good].any() else None,
             candidates=tuple(candidates[:count]),
             domain=PATTERNS,
             reason=reason,
-            motion=seen.motion(best, self._portraits[winner], frame.shape),
-            evidence=self._evidence(winner, seen.pixels, seen.good, where, first.score or 0.0, reason),
+            evidence=self._evidence(int(chosen[order[0]]), pixels, good, first.shift, first.score or 0.0, reason),
         )
-
-    def _seen(
-        self, frame: Frame, pixels: Floats, good: NDArray[np.bool_], count: int
-    ) -> tuple[NDArray[np.intp], Registered]:
-        """Look at a shortlist, and if nobody on it is sure, at one of people who may be displaced."""
-        chosen = shortlist(self._stack, pixels[good].astype(np.float64), good, count)
-        seen = registered_look(frame, pixels, good, [self._portraits[index] for index in chosen])
-        if seen.sure or len(chosen) == len(self):
-            return chosen, seen
-        others = displaced_shortlist(self._stack, frame, pixels.astype(np.float64), good, count)
-        if np.array_equal(others, chosen):
-            return chosen, seen
-        again = registered_look(frame, pixels, good, [self._portraits[index] for index in others])
-        return (others, again) if again.score > seen.score else (chosen, seen)
 
     def _evidence(
         self,
@@ -446,6 +426,13 @@ class Gallery:
             ambient=self.model != "linear3",
             reason=named(*said) if reason is None else unknown(*said, reason),
         )
+
+    def _photograph(self, pixels: Floats, good: NDArray[np.bool_]) -> Photograph:
+        """Return a photograph for the second look."""
+        assert self._frame is not None
+        seen = self._frame.mask.copy()
+        seen[self._frame.mask] = good
+        return Photograph(self._frame.picture(pixels), seen)
 
     def _portrait(self, name: str, template: Template) -> Portrait:
         """Return a portrait that takes its pictures from the rows of whom it shows, wherever they have moved to."""

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.explanation import Evidence, Explanation
 from harmonicface.lighting.light import HarmonicLight
-from harmonicface.recognition.placement import Placement
 
 INTENSITIES, PATTERNS = "intensities", "patterns"  # what is compared
 
@@ -66,9 +65,6 @@ class Match:
         What is compared: "intensities", or "patterns" (the default model).
     reason
         Why nobody is named; None if somebody is.
-    motion
-        How the photograph shows the first candidate displaced (in its pixels), turned and grown; a shift of a few
-        tenths, a turn of 0.3 degrees or a growth of 0.5 % may be none. None for models that compare intensities.
     evidence
         The photograph and the first candidate's pictures, for `explain`.
     """
@@ -80,7 +76,6 @@ class Match:
     candidates: tuple[Candidate, ...]
     domain: str = INTENSITIES
     reason: str | None = None
-    motion: Placement | None = None
     evidence: Evidence | None = field(default=None, repr=False, compare=False)
 
     def explain(self) -> Explanation:

@@ -46,8 +46,6 @@ class SecondLook:
         (n, 2) pixels of the grid to the right and down by which the photograph shows her displaced.
     blocks
         Of how many blocks the photograph has a pattern.
-    charge
-        Deviations that all scores are less by: what chance finds when there is more to choose from.
     """
 
     patterns: NDArray[np.float64]
@@ -56,7 +54,6 @@ class SecondLook:
     closeness: NDArray[np.float64] | None
     shifts: NDArray[np.int64]
     blocks: int
-    charge: float = 0.0
 
     @property
     def likenesses(self) -> NDArray[np.float64]:
@@ -72,7 +69,7 @@ class SecondLook:
             measures.append(standardized(self.surprises, 1.0))
             measures.append(standardized(self.rendered, USUAL_RENDERED * scale))
             measures.append(standardized(self.closeness, USUAL_CLOSENESS))
-        return fused(measures) - self.charge
+        return fused(measures)
 
 
 def second_look(photo: Photograph, people: Sequence[Portrait]) -> SecondLook:
