@@ -14,7 +14,6 @@ from harmonicface.bench.contenders import Contender, GalleryContender, Person, S
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.people.prior import FacePrior
 from harmonicface.recognition.estimators.base import FaceClassifier
-from harmonicface.recognition.estimators.exemplar import Exemplar
 from harmonicface.recognition.estimators.registry import ESTIMATORS, FROM_SURFACES, estimator
 from harmonicface.recognition.patterns import Template, patterns, similarity
 
@@ -22,7 +21,8 @@ WITH_LIGHTS = ("nine_points_real",)  # of those that learn from photographs
 NEEDING_DEPTH = ("harmonic_shadowed", "harmonic_shadowed_fixed", "cone_cast")
 PLAIN = {"harmonic_shadowed_fixed": "harmonic_shadowed"}  # a method's name in the table, its classifier's
 SEARCHING = "harmonic_shadowed"
-OTHERS = (SEARCHING, *PLAIN, "exemplar", "patterns", "default")  # that take more than a classifier's call
+ONE_PHOTOGRAPH = "exemplar"
+OTHERS = (SEARCHING, *PLAIN, ONE_PHOTOGRAPH, "patterns", "default")  # that take more than a classifier's call
 YALE_METHODS = (*(name for name in ESTIMATORS if name not in OTHERS), *OTHERS)
 
 
@@ -87,14 +87,14 @@ class ExemplarContender(ClassifierContender):
 
     def __init__(self, prior: FacePrior | None = None) -> None:
         self._prior = prior
-        super().__init__("exemplar")
+        super().__init__(ONE_PHOTOGRAPH)
 
     def enroll(self, people: Sequence[Person]) -> None:
         """Learn everybody from one photograph; its light is not told."""
         super().enroll([replace(person, photographs=_most_frontal(person)[None]) for person in people])
 
     def _new(self, shape: tuple[int, int] | None = None) -> FaceClassifier:
-        return Exemplar(shape, self._prior)
+        return estimator(self._name, shape, prior=self._prior)
 
 
 class PatternContender:
@@ -136,7 +136,7 @@ def yale_contender(method: str) -> Contender:
     """
     if method == "default":
         return GalleryContender(method)
-    if method == "exemplar":
+    if method == ONE_PHOTOGRAPH:
         return ExemplarContender()
     if method == "patterns":
         return PatternContender()

@@ -28,6 +28,7 @@ PEOPLE = [
 
 def test_every_name_of_the_registry_is_a_method() -> None:
     assert set(ESTIMATORS) < set(YALE_METHODS)
+    assert len(set(YALE_METHODS)) == len(YALE_METHODS)
     assert {"default", "harmonic_shadowed_fixed"} < set(YALE_METHODS)
 
 

@@ -10,6 +10,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.estimators.base import FaceClassifier
 from harmonicface.recognition.estimators.correlation import Correlation
 from harmonicface.recognition.estimators.eigenfaces import Eigenfaces
+from harmonicface.recognition.estimators.exemplar import Exemplar
 from harmonicface.recognition.estimators.fisherfaces import Fisherfaces
 from harmonicface.recognition.estimators.gradient_angle import GradientAngle
 from harmonicface.recognition.estimators.harmonic import Harmonic9, HarmonicShadowed
@@ -29,6 +30,7 @@ FROM_PHOTOGRAPHS: dict[str, Callable[..., FaceClassifier]] = {
     "tan_triggs": TanTriggs,
     "gradient_angle": GradientAngle,
     "nine_points_real": NinePointsReal,
+    "exemplar": Exemplar,
 }
 FROM_SURFACES: dict[str, Callable[..., FaceClassifier]] = {
     "linear3": Linear3,

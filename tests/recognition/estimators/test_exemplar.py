@@ -6,8 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from sklearn.base import BaseEstimator, clone
-from sklearn.utils.estimator_checks import parametrize_with_checks
+from sklearn.base import clone
 
 from harmonicface.appearance.render import render
 from harmonicface.datasets.yale_b import load_yale_b
@@ -19,26 +18,7 @@ from harmonicface.recognition.estimators.exemplar import Exemplar
 
 SHAPE = (48, 42)
 PEOPLE = 6
-IMAGES_ALONE = """
-    check_classifier_data_not_an_array check_classifiers_classes check_classifiers_one_label check_classifiers_train
-    check_dict_unchanged check_dont_overwrite_parameters check_dtype_object check_estimators_dtypes
-    check_estimators_fit_returns_self check_estimators_nan_inf check_estimators_overwrite_params check_estimators_pickle
-    check_f_contiguous_array_estimator check_fit2d_1feature check_fit2d_1sample check_fit2d_predict1d
-    check_fit_check_is_fitted check_fit_idempotent check_fit_score_takes_y check_methods_sample_order_invariance
-    check_methods_subset_invariance check_n_features_in check_n_features_in_after_fitting check_pipeline_consistency
-    check_positive_only_tag_during_fit check_readonly_memmap_input check_supervised_y_2d
-"""
 NAMES = np.array([f"person {number}" for number in range(PEOPLE)])
-
-
-def cannot_apply(_: BaseEstimator) -> dict[str, str]:
-    return dict.fromkeys(IMAGES_ALONE.split(), "the check fits a table without the height and width of an image")
-
-
-@pytest.mark.filterwarnings("ignore::sklearn.exceptions.SkipTestWarning")
-@parametrize_with_checks([Exemplar()], expected_failed_checks=cannot_apply)
-def test_scikit_learn_checks_that_can_apply(estimator: BaseEstimator, check) -> None:
-    check(estimator)
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,9 @@ def test_methods_are_fresh_and_told_the_shape(name: str) -> None:
 
 def test_the_published_methods_are_all_there() -> None:
     published = "correlation eigenfaces eigenfaces_minus3 linear3 cone_attached harmonic9 nine_points_simulated"
-    assert set(published.split()) | {"harmonic_shadowed", "gradient_angle", "nine_points_real"} <= set(ESTIMATORS)
+    assert set(published.split()) | {"harmonic_shadowed", "gradient_angle", "nine_points_real", "exemplar"} <= set(
+        ESTIMATORS
+    )
 
 
 def test_parameters_reach_the_method() -> None:
