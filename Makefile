@@ -7,8 +7,9 @@ BIN := .venv/bin
 demo: .venv/.installed  ## recognize synthetic people, write report/report.html
 	$(BIN)/harmonicface bench --faces 100 --size 64 --seed 0 --out report
 
+# One worker a core, each with one thread of linear algebra: threads that wait for each other cost more than they give.
 test: check  ## lint, types, floors, doctests, tests
-	$(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
 
 check: .venv/.installed-dev
 	$(BIN)/ruff format --check .
