@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import harmonicface as hf
-from harmonicface.gallery.gallery import _ratio
+from harmonicface.gallery.answers import ratio
 
 SIZE = 24
 NAMES = ("ada", "emmy", "sofia", "grace", "mary", "hedy", "lise", "vera")
@@ -416,8 +416,8 @@ def test_a_few_pixels_tell_nobody_from_another() -> None:
         gallery_of(PEOPLE, mask=few).match(GOOD)
     with pytest.raises(hf.HarmonicFaceError, match="match: expected at least 36 good pixels, got 35"):
         gallery_of(PEOPLE).match(GOOD, mask=few)
-    assert _ratio(0.3, 0.0) == np.inf
-    assert _ratio(0.0, 0.0) == 1.0
+    assert ratio(0.3, 0.0) == np.inf
+    assert ratio(0.0, 0.0) == 1.0
 
 
 def test_nobody_is_named_who_leaves_a_quarter_of_the_energy_over() -> None:

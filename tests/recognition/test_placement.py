@@ -15,7 +15,8 @@ from scipy.ndimage import affine_transform
 import harmonicface as hf
 from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.recognition.patterns import Template, patterns
-from harmonicface.recognition.placement import LEADERS, Placement, placed, placed_nearby
+from harmonicface.recognition.placed import LEADERS, placed, placed_nearby
+from harmonicface.recognition.placement import Placement
 
 SHAPE = (96, 84)
 

@@ -1,0 +1,136 @@
+"""Answers: from a photograph and people to a Match, by plain projection or by a second look at a shortlist."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harmonicface._validate import Floats
+from harmonicface.gallery.enrolment import WITH_GEOMETRY
+from harmonicface.gallery.explanation import Evidence, named, unknown
+from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
+from harmonicface.gallery.people import People
+from harmonicface.gallery.ranking import rank, shortlist
+from harmonicface.gallery.rule import Rule
+from harmonicface.gallery.second_look import judged, second_look
+from harmonicface.recognition.subspace import unit_photo
+
+Good = NDArray[np.bool_]
+Asked = tuple[Floats, Good]  # the compared pixels of a photograph, (p,), and which are good
+
+
+def by_projection(people: People, asked: Asked, count: int, rule: Rule) -> Match:
+    """Match by plain projection.
+
+    Parameters
+    ----------
+    people
+        At least one.
+    asked
+        (p,) compared pixels of the photograph, and which are good.
+    count
+        How many candidates.
+    rule
+        Of the gallery.
+    """
+    pixels, good = asked
+    ranked = rank(people.rows, unit_photo(pixels[good], int(good.sum())), good, max(count, 2))
+    distance, best = ranked[0]
+    margin = ratio(ranked[1][0], distance) if len(ranked) > 1 else 1.0
+    names, known = people.names, rule.is_known(distance, margin)
+    reason = None if known else "nobody is near, or clearly nearer than the next"
+    said = (names[best], distance, rule.threshold, False)
+    return Match(
+        name=names[best] if known else None,
+        distance=distance,
+        margin=margin,
+        light=people.light(best, pixels, good, ambient=rule.ambient),
+        candidates=tuple(
+            Candidate(names[index], value, source=people.sources[names[index]]) for value, index in ranked[:count]
+        ),
+        domain=INTENSITIES,
+        reason=reason,
+        evidence=_evidence(
+            people, best, asked, (0.0, 0.0), rule.ambient, named(*said) if reason is None else unknown(*said, reason)
+        ),
+    )
+
+
+def by_second_look(people: People, asked: Asked, count: int, rule: Rule) -> Match:
+    """Match by a second look at a shortlist; the parameters are those of `by_projection`, people with portraits."""
+    pixels, good = asked
+    chosen = shortlist(people.rows, pixels[good].astype(np.float64), good, max(count, rule.shortlist))
+    look = second_look(people.photograph(pixels, good), [people.portraits[index] for index in chosen])
+    verdict = judged(look, people.pixels_of_grid)
+    names, order = people.names, verdict.order[: max(count, 2)]
+    candidates = [
+        Candidate(
+            name=names[chosen[place]],
+            distance=float(verdict.distances[place]),
+            score=float(verdict.scores[place]),
+            shift=(float(verdict.shifts[place, 0]), float(verdict.shifts[place, 1])),
+            source=people.sources[names[chosen[place]]],
+        )
+        for place in order
+    ]
+    first, index = candidates[0], int(chosen[order[0]])
+    reason = verdict.unknown(rule.threshold)
+    said = (first.name, None if len(people) == 1 else first.score, rule.threshold, True)
+    return Match(
+        name=first.name if reason is None else None,
+        distance=first.distance,
+        margin=ratio(candidates[1].distance, first.distance) if len(candidates) > 1 else 1.0,
+        light=people.light(index, pixels, good, first.shift) if pixels[good].any() else None,
+        candidates=tuple(candidates[:count]),
+        domain=PATTERNS,
+        reason=reason,
+        evidence=_evidence(
+            people, index, asked, first.shift, True, named(*said) if reason is None else unknown(*said, reason)
+        ),
+    )
+
+
+def scores_by_projection(people: People, asked: Asked, names: Sequence[str], chosen: Sequence[int]) -> SearchScores:
+    """Return the scores of some people, by name and index, by plain projection."""
+    pixels, good = asked
+    ranked = rank(people.rows, unit_photo(pixels[good], int(good.sum())), good, len(people))
+    distances = np.array([distance for distance, _ in sorted(ranked, key=lambda one: one[1])])[chosen]
+    return SearchScores(tuple(names), -distances, distances, np.zeros((len(names), 2)))
+
+
+def scores_by_second_look(people: People, asked: Asked, names: Sequence[str], chosen: Sequence[int]) -> SearchScores:
+    """Return the scores of some people, by name and index, by a second look at all of them."""
+    look = second_look(people.photograph(*asked), [people.portraits[index] for index in chosen])
+    verdict = judged(look, people.pixels_of_grid)
+    return SearchScores(tuple(names), verdict.scores, verdict.distances, verdict.shifts, verdict.blocks)
+
+
+def ratio(second: float, first: float) -> float:
+    """Return second over first, for distances that may both be zero.
+
+    Examples
+    --------
+    >>> ratio(0.3, 0.2), ratio(0.3, 0.0), ratio(0.0, 0.0)
+    (1.4999999999999998, inf, 1.0)
+    """
+    if first == 0:
+        return 1.0 if second == 0 else np.inf
+    return second / first
+
+
+def _evidence(
+    people: People, index: int, asked: Asked, shift: tuple[float, float], ambient: bool, reason: str
+) -> Evidence:
+    """Return what `Match.explain` needs."""
+    return Evidence(
+        frame=people.frame,
+        pixels=asked[0],
+        good=asked[1],
+        subspace=people.rows.subspace(index),
+        shift=(round(shift[0]), round(shift[1])),
+        geometry=people.sources[people.names[index]] in WITH_GEOMETRY,
+        ambient=ambient,
+        reason=reason,
+    )

@@ -1,0 +1,131 @@
+"""Roll: who is in a gallery, and how people come in and go."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harmonicface._validate import Floats
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.enrolment import Model, enrolment_of
+from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.names import checked_name
+from harmonicface.gallery.people import People
+from harmonicface.surfaces.surface import Surface
+
+
+class Roll:
+    """Who is enrolled.
+
+    Parameters
+    ----------
+    enrolled_as
+        What is made of each person.
+    mask
+        As of `Gallery`.
+
+    Raises
+    ------
+    HarmonicFaceError
+        An empty mask.
+    """
+
+    def __init__(self, enrolled_as: Model, mask: ArrayLike | None = None) -> None:
+        self._model = enrolled_as
+        self._people = People(None if mask is None else Frame.of(mask))
+
+    @property
+    def mask(self) -> NDArray[np.bool_] | None:
+        """The pixels that are compared; None before anybody is enrolled and without a mask given."""
+        frame = self._people.known_frame
+        return None if frame is None else frame.mask.copy()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Everybody, in the order of enrolment."""
+        return self._people.names
+
+    @property
+    def bytes_per_person(self) -> float:
+        """Memory of a person, on average: her rows, and of the default model her template and pictures on the grid."""
+        return self._people.nbytes / len(self) if len(self) else 0.0
+
+    def __len__(self) -> int:
+        return len(self._people)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._people.sources
+
+    def enroll(self, name: str, source: Surface | ArrayLike, lights: ArrayLike | None = None) -> None:
+        """Add a person.
+
+        Parameters
+        ----------
+        name
+            1 to 200 printable characters, not yet in the gallery.
+        source
+            A Surface of the gallery's shape. Or (n, h, w) photographs: with lights, n >= 3, they are registered to
+            each other and their stereo is the Surface; without, the span of the photographs (its nine strongest
+            directions) stands for her. The default model takes any number of them, and a single one, (h, w); the
+            others need three under different lights.
+        lights
+            (n, 3) directions from the person to the light of each photograph (x right, y up, z toward the camera),
+            times its strength; intensities are then from 0 to 1.
+
+        Raises
+        ------
+        HarmonicFaceError
+            A name that is taken or does not print, another shape than the gallery's, too few different photographs,
+            negative ones, NaN, nothing inside the gallery's mask, photographs that stereo cannot use; for the default
+            model fewer than 24 pixels a side.
+        """
+        if checked_name(name) in self:
+            raise HarmonicFaceError(f"name: expected one that is not in the gallery yet, got {name!r}, who is")
+        self._people.add(name, enrolment_of(source, self._people.known_frame, self._model, lights))
+
+    def remove(self, name: str) -> None:
+        """Take a person out.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name is in the gallery.
+        """
+        self._people.remove(name)
+
+    def pictures_of(self, name: str) -> Floats:
+        """Return the pictures that stand for a person, (k, h, w), 0 outside the gallery's mask.
+
+        Her harmonic images if she was enrolled with geometry, otherwise her photographs, as far as the nine strongest
+        directions of their span go.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name is in the gallery.
+        """
+        subspace = self._people.subspace(name)
+        images = np.linalg.pinv(subspace.to_coefficients) @ subspace.rows
+        return np.stack([self._people.frame.picture(image) for image in images.astype(np.float32)])
+
+    def source_of(self, name: str) -> str:
+        """Return what a person was enrolled from, as in `Candidate`.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name is in the gallery.
+        """
+        self._people.index(name)
+        return self._people.sources[name]
+
+    def reconstruct(self, name: str, photo: ArrayLike) -> Floats:
+        """Return the picture of a person that is nearest to a photograph, (h, w), 0 outside the gallery's mask.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of that name, another shape, NaN or infinity.
+        """
+        subspace, frame = self._people.subspace(name), self._people.frame
+        return frame.picture(subspace.nearest(frame.take(photo, "photo")))
