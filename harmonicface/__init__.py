@@ -7,7 +7,7 @@ from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.gallery.match import Candidate, Match
+from harmonicface.gallery.match import Candidate, Match, SearchScores
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.rotation import rotate as rotate_harmonics
 from harmonicface.io.depth_maps import read_depth_map
@@ -17,7 +17,9 @@ from harmonicface.lighting.environment import EnvironmentMap
 from harmonicface.lighting.light import HarmonicLight, Light
 from harmonicface.lighting.prefiltered import irradiance_map, reflection_map
 from harmonicface.people.ict import ict_people, ict_person
+from harmonicface.people.prior import FacePrior, synthetic_prior
 from harmonicface.people.synthetic import synthetic_people, synthetic_person
+from harmonicface.recognition.exemplar import exemplar
 from harmonicface.recognition.subspace import Subspace
 from harmonicface.recognition.verification import Verification, verify
 from harmonicface.reflectance.filters import lambertian_filter
@@ -39,6 +41,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Candidate",
     "EnvironmentMap",
+    "FacePrior",
     "Gallery",
     "HarmonicFaceError",
     "HarmonicLight",
@@ -47,6 +50,7 @@ __all__ = [
     "Match",
     "Microfacet",
     "Phong",
+    "SearchScores",
     "Subspace",
     "Surface",
     "Transport",
@@ -55,6 +59,7 @@ __all__ = [
     "crop",
     "decimate",
     "estimate_light",
+    "exemplar",
     "harmonic_images",
     "ict_people",
     "ict_person",
@@ -79,6 +84,7 @@ __all__ = [
     "surface_pictures",
     "synthetic_people",
     "synthetic_person",
+    "synthetic_prior",
     "transport",
     "turn",
     "verify",

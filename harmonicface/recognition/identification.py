@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import hypergeom
+from scipy.special import gammaln
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
@@ -204,7 +204,7 @@ def fpir_by_size(scores: ArrayLike, threshold: float, sizes: Sequence[int]) -> S
 
     Examples
     --------
-    >>> fpir_by_size([[3, 1, 1, 1], [0, 0, 0, 0]], threshold=2, sizes=[1, 2, 4]).tolist()
+    >>> fpir_by_size([[3, 1, 1, 1], [0, 0, 0, 0]], threshold=2, sizes=[1, 2, 4]).round(3).tolist()
     [0.125, 0.25, 0.5]
     """
     table = checked_table(scores)
@@ -213,7 +213,15 @@ def fpir_by_size(scores: ArrayLike, threshold: float, sizes: Sequence[int]) -> S
         if _validate.at_least(size, 1, "size") > people:
             raise HarmonicFaceError(f"sizes: expected at most {people} people, as many as there are, got {size}")
     reaching = (table >= threshold).sum(axis=1)
-    return np.array([float((1 - hypergeom.pmf(0, people, reaching, size)).mean()) for size in sizes])
+    return np.array([float((1 - _none_drawn(people, reaching, size)).mean()) for size in sizes])
+
+
+def _none_drawn(people: int, reaching: NDArray[np.intp], size: int) -> Scores:
+    """Return how likely nobody who reaches the threshold is among so many drawn: (n - k over m) / (n over m)."""
+    others = people - reaching
+    rest = np.maximum(others - size, 0)
+    log = gammaln(others + 1) - gammaln(rest + 1) - gammaln(people + 1) + gammaln(people - size + 1)
+    return np.where(others >= size, np.exp(log), 0.0)
 
 
 def checked_table(scores: ArrayLike) -> Scores:

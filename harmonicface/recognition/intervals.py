@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scipy.stats import binomtest
+from scipy.special import betaincinv, ndtri
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 
-METHODS = {"exact": "exact", "wilson": "wilson"}
+METHODS = "exact", "wilson"
 
 
 @dataclass(frozen=True)
@@ -75,5 +75,21 @@ def rate(events: int, trials: int, confidence: float = 0.95, method: str = "exac
     if happened > count:
         raise HarmonicFaceError(f"events: expected at most as many as trials, {count}, got {happened}")
     level = _validate.fraction(confidence, "confidence")
-    found = binomtest(happened, count).proportion_ci(level, METHODS[method])
-    return Rate(happened, count, happened / count, float(found.low), float(found.high))
+    low, high = (_exact if method == "exact" else _wilson)(happened, count, level)
+    return Rate(happened, count, happened / count, low, high)
+
+
+def _exact(events: int, trials: int, confidence: float) -> tuple[float, float]:
+    """Invert the binomial distribution, whose tails are incomplete beta functions."""
+    tail = (1 - confidence) / 2
+    low = betaincinv(events, trials - events + 1, tail) if events else 0.0
+    high = betaincinv(events + 1, trials - events, 1 - tail) if events < trials else 1.0
+    return float(low), float(high)
+
+
+def _wilson(events: int, trials: int, confidence: float) -> tuple[float, float]:
+    """Solve the quadratic equation of the normal approximation."""
+    z = float(ndtri((1 + confidence) / 2))
+    middle, spread = events + z * z / 2, z * (events * (trials - events) / trials + z * z / 4) ** 0.5
+    low, high = (middle - spread) / (trials + z * z), (middle + spread) / (trials + z * z)
+    return (low if events else 0.0), (high if events < trials else 1.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
+from scipy.special import stdtr, stdtrit
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
@@ -104,12 +104,12 @@ class Strangers:
         if not 0 < rate < 1:
             raise HarmonicFaceError(f"fpir: expected a rate between 0 and 1, got {fpir}")
         each = -np.expm1(np.log1p(-rate) / _validate.at_least(people, 1, "people"))
-        predicted = self.mean + self.deviation * float(stats.t.isf(each, self.freedom))
+        predicted = self.mean + self.deviation * -float(stdtrit(self.freedom, each))
         return max(predicted, threshold_at_fmr(self.best, rate))
 
     def fmr(self, threshold: float) -> float:
         """Return the probability that a stranger reaches a threshold with one person."""
-        return float(stats.t.sf((threshold - self.mean) / self.deviation, self.freedom))
+        return float(stdtr(self.freedom, (self.mean - threshold) / self.deviation))
 
     def fpir(self, threshold: float, people: int) -> float:
         """Return the probability that a stranger reaches a threshold with anybody of n people: 1 - (1 - FMR)^n."""
