@@ -1,0 +1,211 @@
+"""Factors: the leading singular vectors of a few photographs of very many pixels, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from harmonicface import _validate
+from harmonicface._validate import Floats
+from harmonicface.errors import HarmonicFaceError
+
+BLOCK = 1 << 11  # pixels at a time: float32 products of so few, summed in float64, round to 4e-8 of the largest
+RESOLVED = 1e-6  # of the largest square: smaller ones drown in float32 products, which are then redone in float64
+SPARE = 3  # singular vectors beyond those asked for, among which a second pass turns the last ones right
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """Photographs (n, p) as `left @ right`, as near as so few factors come, and how much there is beyond.
+
+    Parameters
+    ----------
+    left
+        (n, rank) float64, orthonormal columns times the singular values: how much of each factor a photograph has.
+    right
+        (rank, p) orthonormal rows of the photographs' type; None where the blocks could be read only once.
+    singular_values
+        (n,) float64, all of them, largest first. The first `rank` are exact to 1e-6 of the largest; beyond the third
+        after them those of float32 photographs are uncertain by 3e-4 of it.
+    pixels
+        How many columns there were.
+    """
+
+    left: Doubles
+    right: Floats | None
+    singular_values: Doubles
+    pixels: int
+
+    @property
+    def rank(self) -> int:
+        """How many factors were kept."""
+        return int(self.left.shape[1])
+
+    @property
+    def gap(self) -> float:
+        """The last singular value that is kept over the next one; infinite where nothing is left."""
+        return self.gap_after(self.rank)
+
+    @property
+    def condition(self) -> float:
+        """The first singular value over the last one that is kept: how much noise is magnified at the worst."""
+        last = self.singular_values[self.rank - 1]
+        return float(self.singular_values[0] / last) if last > 0 else float("inf")
+
+    def gap_after(self, rank: int) -> float:
+        """Return the singular value number `rank` over the next one."""
+        if rank >= len(self.singular_values) or self.singular_values[rank] == 0:
+            return float("inf")
+        return float(self.singular_values[rank - 1] / self.singular_values[rank])
+
+    def residual(self, rank: int) -> float:
+        """Return the root mean square of the photographs minus their best approximation by so many factors."""
+        rest = self.singular_values[rank:]
+        return float(np.sqrt((rest**2).sum() / (len(self.singular_values) * self.pixels)))
+
+    def above_noise(self, noise: float) -> int:
+        """Return how many singular values stand above those of noise of a standard deviation.
+
+        The largest singular value of (n, p) noise is `noise * (sqrt(n) + sqrt(p))` (Davidson & Szarek 2001).
+        """
+        edge = noise * (np.sqrt(len(self.singular_values)) + np.sqrt(self.pixels))
+        return int((self.singular_values > edge).sum())
+
+    def project(self, block: ArrayLike) -> Floats:
+        """Return the right factors (rank, b) of some pixels, given as the photographs have them, (n, b)."""
+        strength = np.maximum((self.left**2).sum(axis=0), np.finfo(float).tiny)
+        columns = _validate.floats(block, "block")
+        return np.asarray((self.left / strength).T.astype(columns.dtype) @ columns)
+
+
+def leading_factors(photographs: ArrayLike | Iterable[Floats], rank: int) -> Factors:
+    r"""Return the leading factors of n photographs of p pixels, n much smaller than p.
+
+    .. math:: M = U S V', \quad M M' = U S^2 U', \quad V' = S^{-1} U' M
+
+    The (n, n) matrix M M' is summed over blocks of pixels in float64, so that neither memory nor rounding grows with
+    p; then the leading rows of U' M are computed and turned to be orthogonal (Rayleigh-Ritz), which gives the small
+    singular values the accuracy that their squares had lost. Products of float32 photographs are of float32, half the
+    time, unless the last factor's singular value is below a thousandth of the first.
+
+    Parameters
+    ----------
+    photographs
+        (n, p) intensities; or a list of blocks (n, b) of pixels, which are read twice; or an iterator of such blocks,
+        which is read once: then no `right` factors are kept, and `Factors.project` gives those of any pixels.
+    rank
+        How many factors, 1 to n.
+
+    Returns
+    -------
+    Factors
+        With the sign of each factor such that its photographs have a positive sum.
+
+    Raises
+    ------
+    HarmonicFaceError
+        No photographs, NaN or infinity, blocks of different numbers of photographs, a rank beyond their number.
+
+    Examples
+    --------
+    >>> lights, shades = np.array([[1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]), np.array([[3.0, 0.0, 1.0], [0.0, 1.0, 1.0]])
+    >>> factors = leading_factors(lights @ shades, rank=2)
+    >>> bool(np.allclose(factors.left @ factors.right, lights @ shades)), factors.singular_values.round(3)[2] + 0.0
+    (True, np.float64(0.0))
+    """
+    if isinstance(photographs, Iterator):
+        return _read_once(photographs, rank)
+    if isinstance(photographs, np.ndarray) or not isinstance(photographs, Iterable):
+        matrix = _checked_block(photographs, None)
+        blocks = [matrix]
+    else:
+        blocks = [_checked_block(block, None) for block in photographs]
+        if not blocks:
+            raise HarmonicFaceError("photographs: expected at least one block of pixels, got none")
+        if blocks[0].ndim == 1:  # rows of an array
+            blocks = [_checked_block(np.asarray(photographs), None)]
+    count = len(blocks[0])
+    pixels = sum(_checked_block(block, count).shape[1] for block in blocks)
+    number = _checked_rank(rank, count)
+    gram = sum((_gram(block) for block in blocks), start=np.zeros((count, count)))
+    _refuse_unfinite(gram)
+    values, vectors = _eigen(gram)
+    if values[number - 1] < RESOLVED * values[0]:
+        gram = sum((_gram(block, np.float64) for block in blocks), start=np.zeros((count, count)))
+        values, vectors = _eigen(gram)
+    some = min(number + SPARE, count)
+    rows, inner = [], np.zeros((some, some))
+    towards = vectors[:, :some].T
+    for block in blocks:
+        rows.append(towards.astype(block.dtype) @ block)
+        inner += _gram(rows[-1])
+    exact, turn = _eigen(inner)
+    values[:some], vectors[:, :some] = exact, vectors[:, :some] @ turn
+    strength = np.sqrt(values[:number])
+    sign = np.where(vectors[:, :number].sum(axis=0) < 0, -1.0, 1.0)
+    back = turn[:, :number] * sign / np.maximum(strength, np.finfo(float).tiny)
+    right = np.concatenate([back.T.astype(row.dtype) @ row for row in rows], axis=1)
+    return Factors(vectors[:, :number] * sign * strength, right, np.sqrt(values), pixels)
+
+
+def _read_once(blocks: Iterator[Floats], rank: int) -> Factors:
+    """Return the factors of blocks that come once, from float64 products."""
+    gram, pixels = np.zeros((0, 0)), 0
+    for index, block in enumerate(blocks):
+        matrix = _checked_block(block, len(gram) if index else None)
+        if not index:
+            gram = np.zeros((len(matrix), len(matrix)))
+        gram += _gram(matrix, np.float64)
+        pixels += matrix.shape[1]
+    if not len(gram):
+        raise HarmonicFaceError("photographs: expected at least one block of pixels, got none")
+    number = _checked_rank(rank, len(gram))
+    _refuse_unfinite(gram)
+    values, vectors = _eigen(gram)
+    sign = np.where(vectors[:, :number].sum(axis=0) < 0, -1.0, 1.0)
+    return Factors(vectors[:, :number] * sign * np.sqrt(values[:number]), None, np.sqrt(values), pixels)
+
+
+def _gram(matrix: Floats, dtype: type[np.floating[Any]] | None = None) -> Doubles:
+    """Return M M' as a sum over blocks in float64, each block's product in a type or its own."""
+    total = np.zeros((len(matrix), len(matrix)))
+    for first in range(0, matrix.shape[1], BLOCK):
+        part = matrix[:, first : first + BLOCK].astype(dtype or matrix.dtype, copy=False)
+        total += part @ part.T
+    return total
+
+
+def _eigen(gram: Doubles) -> tuple[Doubles, Doubles]:
+    """Return eigenvalues, largest first and at least 0, and eigenvectors as columns."""
+    values, vectors = np.linalg.eigh(gram)
+    return np.maximum(values[::-1], 0.0), np.asarray(vectors[:, ::-1])
+
+
+def _checked_block(block: ArrayLike, count: int | None) -> Floats:
+    matrix = _validate.floats(block, "photographs")
+    if count is None and matrix.ndim == 1:
+        return matrix
+    if matrix.ndim != 2 or matrix.size == 0 or (count is not None and len(matrix) != count):
+        expected = "(n, p)" if count is None else f"({count}, b) as the first block"
+        raise HarmonicFaceError(f"photographs: expected shape {expected}, got {_validate.describe(matrix)}")
+    return matrix
+
+
+def _refuse_unfinite(gram: Doubles) -> None:
+    """Refuse NaN and infinity, which any one of them leaves in its photograph's row."""
+    bad = np.flatnonzero(~np.isfinite(np.diag(gram)))
+    if bad.size:
+        raise HarmonicFaceError(f"photographs: expected finite intensities, got NaN or infinity in photograph {bad[0]}")
+
+
+def _checked_rank(rank: int, count: int) -> int:
+    number = _validate.at_least(rank, 1, "rank")
+    if number > count:
+        raise HarmonicFaceError(f"rank: expected at most the {count} photographs there are, got {number}")
+    return number
