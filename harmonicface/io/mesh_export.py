@@ -144,7 +144,7 @@ def _texture_at(mesh: Mesh) -> NDArray[np.float64]:
     across, down = mesh.uv[:, 0] * width - 0.5, (1 - mesh.uv[:, 1]) * height - 0.5
     row = 1 << 14  # a remapped picture has fewer than 32,768 pixels a side
     count = -(-len(across) // row) * row
-    maps = [np.resize(each, count).reshape(-1, row).astype(np.float32) for each in (across, down)]
-    found = cv2.remap(texture, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    columns, rows = (np.resize(each, count).reshape(-1, row).astype(np.float32) for each in (across, down))
+    found = cv2.remap(texture, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     colours = found.reshape(count, -1)[: len(across)]
     return np.asarray(np.broadcast_to(colours, (len(across), 3)), np.float64)

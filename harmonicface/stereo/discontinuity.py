@@ -8,7 +8,6 @@ from scipy.special import expit
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
-from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.integration import STEEPEST, depth_from_steps
 from harmonicface.stereo.perspective_integration import depth_of_logarithm, steps_between
 

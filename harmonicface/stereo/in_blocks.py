@@ -16,7 +16,7 @@ from harmonicface.errors import HarmonicFaceError
 BLOCK = 1 << 23  # observations at a time: 32 MB in float32, and some copies in float64
 
 Mask = NDArray[np.bool_]
-Stack = NDArray[np.floating[Any]]
+Images = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,91 +41,139 @@ class Pixels:
     used: NDArray[np.integer[Any]]
 
 
-def blocks(images: Stack, mask: Mask, size: int = BLOCK) -> Iterator[tuple[slice, Floats]]:
-    """Yield the observations of masked pixels block by block: where they stand among the pixels, and (n, p) of them.
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Photographs of one thing, and what of them is looked at.
 
     Parameters
     ----------
     images
-        (n, h, w), or (n, h, w, 3) of which the grey is the mean of the colours. May be mapped from a file: of a
-        mapped array only the rows of a block are looked at, through a mapping of their own that ends with it.
+        (n, h, w) or (n, h, w, 3) linear intensities. May be mapped from a file: then only the rows of a block are
+        looked at, through a mapping of their own that ends with it.
     mask
         (h, w) booleans.
-    size
-        Observations at a time.
-
-    Yields
-    ------
-    slice
-        The pixels' numbers in row-major order of the mask.
-    array
-        (n, p) of the images' type, contiguous.
-
-    Raises
-    ------
-    HarmonicFaceError
-        NaN or infinity in the mask.
-
-    Examples
-    --------
-    >>> stack = np.arange(12.0).reshape(2, 3, 2)
-    >>> [(part.start, part.stop, rows.tolist()) for part, rows in blocks(stack, np.ones((3, 2), bool), 8)]
-    [(0, 4, [[0.0, 1.0, 2.0, 3.0], [6.0, 7.0, 8.0, 9.0]]), (4, 6, [[4.0, 5.0], [10.0, 11.0]])]
+    balance
+        (n, 3) by what the colours of each photograph are multiplied before their mean is taken; 1 by default. A mean
+        of 1 keeps what is below the saturation there.
+    saturation
+        An observation of which any colour reaches it is given as it: infinity for none.
     """
-    count, height, width = images.shape[:3]
-    step = max(size // (count * width), 1)
-    first = 0
-    for top in range(0, height, step):
-        inside = mask[top : top + step]
-        if not inside.any():
-            continue
-        rows = _rows(images, top, min(top + step, height))
-        found = np.ascontiguousarray(rows.reshape(count, -1) if inside.all() else rows[:, inside])
-        if not np.isfinite(found).all():
-            index = int(np.flatnonzero(~np.isfinite(found).all(axis=1))[0])
-            raise HarmonicFaceError(f"images: expected finite intensities in the mask, got others in image {index}")
-        yield slice(first, first + found.shape[1]), found
-        first += found.shape[1]
+
+    images: Images
+    mask: Mask
+    balance: Floats | None = None
+    saturation: float = np.inf
+
+    def __len__(self) -> int:
+        return len(self.images)
+
+    @property
+    def pixels(self) -> int:
+        """How many pixels are looked at."""
+        return int(self.mask.sum())
+
+    def blocks(self, size: int = BLOCK) -> Iterator[Floats]:
+        """Yield the grey observations of masked pixels, block by block in row-major order, (n, p) and contiguous.
+
+        Parameters
+        ----------
+        size
+            Observations at a time.
+
+        Raises
+        ------
+        HarmonicFaceError
+            NaN or infinity in the mask.
+
+        Examples
+        --------
+        >>> stack = Stack(np.arange(12.0).reshape(2, 3, 2), np.ones((3, 2), bool))
+        >>> [block.tolist() for block in stack.blocks(8)]
+        [[[0.0, 1.0, 2.0, 3.0], [6.0, 7.0, 8.0, 9.0]], [[4.0, 5.0], [10.0, 11.0]]]
+        """
+        count, height, width = self.images.shape[:3]
+        step = max(size // (count * width), 1)
+        for top in range(0, height, step):
+            inside = self.mask[top : top + step]
+            if not inside.any():
+                continue
+            rows = self._rows(top, min(top + step, height))
+            found = np.ascontiguousarray(rows.reshape(count, -1) if inside.all() else rows[:, inside])
+            if not np.isfinite(found).all():
+                index = int(np.flatnonzero(~np.isfinite(found).all(axis=1))[0])
+                raise HarmonicFaceError(f"images: expected finite intensities in the mask, got others in image {index}")
+            yield found
+
+    def reduced(self, most: int) -> tuple[Stack, int]:
+        """Return photographs of at most so many pixels, each the mean over a square, and the square's side.
+
+        A square of which less than half is in the mask is left outside; one with a saturated pixel is saturated.
+        """
+        side = max(int(np.ceil(np.sqrt(self.pixels / most))), 1)
+        if side == 1 and self.images.ndim == 3:
+            return self, 1
+        height, width = self.mask.shape[0] // side, self.mask.shape[1] // side
+        count = len(self)
+        inside = _squares(self.mask.astype(np.float32), side)
+        images = np.empty((count, height, width), np.float32)
+        step = max(BLOCK // (count * width * side**2), 1)
+        for top in range(0, height, step):
+            bottom = min(top + step, height)
+            rows = self._rows(top * side, bottom * side)
+            part = self.mask[top * side : bottom * side]
+            means = _squares(np.where(part, rows, 0.0), side) / np.maximum(inside[top:bottom], 1)
+            full = _squares((part & (rows >= self.saturation)).astype(np.float32), side) > 0
+            images[:, top:bottom] = np.where(full, self.saturation, means)
+        return Stack(images, 2 * inside >= side**2, saturation=self.saturation), side
+
+    def _rows(self, top: int, bottom: int) -> Floats:
+        """Return some rows of all images in grey, (n, rows, w); of a file, by a mapping that ends with it."""
+        source: Any = self.images
+        if isinstance(source, np.memmap) and isinstance(source.base, mmap.mmap):  # whole, not a part of a mapped array
+            source = np.memmap(source.filename, source.dtype, "r", source.offset, source.shape)
+        rows = np.array(source[:, top:bottom])
+        if rows.ndim == 3:
+            return rows
+        full = (rows >= self.saturation).any(axis=3)
+        if self.balance is None:
+            grey = rows.mean(axis=3, dtype=rows.dtype)
+        else:
+            grey = np.einsum("nhwc,nc->nhw", rows, self.balance.astype(rows.dtype) / 3)
+        grey[full] = self.saturation
+        return np.asarray(grey)
+
+
+def _squares(pictures: Floats, side: int) -> Floats:
+    """Return the sums over squares of pixels of (..., h, w) pictures; what does not fill a square is left out."""
+    height, width = pictures.shape[-2] // side, pictures.shape[-1] // side
+    whole = pictures[..., : height * side, : width * side]
+    return np.asarray(whole.reshape(*whole.shape[:-2], height, side, width, side).sum(axis=(-3, -1)))
 
 
 def solved(
-    images: Stack, mask: Mask, solve: Callable[[Floats], Pixels], tell: Callable[[int, int], None] = lambda *_: None
+    stack: Stack, solve: Callable[[Floats], Pixels], tell: Callable[[int, int], None] = lambda *_: None
 ) -> Pixels:
-    """Return what a solver of (n, p) observations finds of all masked pixels.
+    """Return what a solver of (n, p) observations finds of all masked pixels, each of them by itself.
 
     Parameters
     ----------
-    images, mask
-        See `blocks`.
+    stack
+        The photographs.
     solve
-        From observations to what they say; each pixel by itself.
+        From observations to what they say.
     tell
         Is told how many pixels are done, and of how many.
     """
-    total = int(mask.sum())
+    total, done = stack.pixels, 0
     parts = []
-    for part, observations in blocks(images, mask):
+    for observations in stack.blocks():
         found = solve(observations)
-        parts.append(
-            (
-                found.scaled.astype(np.float32),
-                found.residual.astype(np.float32),
-                found.confidence.astype(np.float32),
-                found.used.astype(np.int32),
-            )
-        )
-        tell(part.stop, total)
+        columns = found.scaled, found.residual, found.confidence
+        parts.append((*(column.astype(np.float32) for column in columns), found.used.astype(np.int32)))
+        done += observations.shape[1]
+        tell(done, total)
     scaled, residual, confidence, used = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Pixels(scaled, residual, confidence, used)
-
-
-def gram(images: Stack, mask: Mask) -> NDArray[np.float64]:
-    """Return the products of the photographs with one another over the mask, (n, n) in float64."""
-    total = np.zeros((len(images), len(images)))
-    for _, observations in blocks(images, mask):
-        exact = observations.astype(np.float64, copy=False)
-        total += exact @ exact.T
-    return total
 
 
 def spread(values: NDArray[Any], mask: Mask) -> NDArray[Any]:
@@ -133,12 +181,3 @@ def spread(values: NDArray[Any], mask: Mask) -> NDArray[Any]:
     grid = np.zeros(mask.shape + values.shape[1:], values.dtype)
     grid[mask] = values
     return grid
-
-
-def _rows(images: Stack, top: int, bottom: int) -> Floats:
-    """Return some rows of all images as (n, rows, w), colours averaged; of a file, by a mapping that ends with it."""
-    source: Any = images
-    if isinstance(images, np.memmap) and isinstance(images.base, mmap.mmap):  # whole, not a part of a mapped array
-        source = np.memmap(images.filename, images.dtype, "r", images.offset, images.shape)
-    rows = np.array(source[:, top:bottom])
-    return rows if rows.ndim == 3 else np.asarray(rows.mean(axis=3, dtype=rows.dtype))

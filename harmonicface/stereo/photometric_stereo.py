@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +13,12 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo import known_lights
-from harmonicface.stereo.in_blocks import Pixels, gram, solved, spread
+from harmonicface.stereo.colour import colour_albedo
+from harmonicface.stereo.discontinuity import integrate_bilaterally
+from harmonicface.stereo.factors import leading_factors
+from harmonicface.stereo.in_blocks import Images, Pixels, Stack, solved, spread
 from harmonicface.stereo.integration import integrate_normals
+from harmonicface.stereo.perspective_integration import integrate_perspective
 from harmonicface.stereo.result import Ambiguity, Model, StereoResult
 from harmonicface.surfaces.surface import Surface
 
@@ -23,9 +27,9 @@ Method = Literal["robust", "least_squares"]
 Progress = Callable[[str, int, int], None]
 
 Mask = NDArray[np.bool_]
-Stack = NDArray[np.floating[Any]]
 UNKNOWNS: dict[str, int] = {"linear3": 3, "ambient4": 4, "harmonic9": 9}
 UNIT = 0.02  # of a direction's length: two decimals in a file
+LEAST_TRUST = 60.0  # degrees: the standard error at which a normal says nothing
 
 
 def photometric_stereo(
@@ -40,6 +44,8 @@ def photometric_stereo(
     saturation: float = 1.0,
     integration: Integration = "poisson",
     pixel_size: float = 1.0,
+    intrinsics: ArrayLike | None = None,
+    distance: float = 1.0,
     tell: Progress = lambda *_: None,
 ) -> StereoResult:
     """Find the Surface in photographs of one thing that holds still before a still camera under changing light.
@@ -66,7 +72,11 @@ def photometric_stereo(
     integration
         "poisson", "weighted" (by the normals' standard errors), "bilateral" (keeps depth discontinuities) or "none".
     pixel_size
-        World units a pixel.
+        World units a pixel, of parallel rays.
+    intrinsics
+        (fx, fy, cx, cy) in pixels of a pinhole camera, see `integrate_perspective`; parallel rays by default.
+    distance
+        World units from the pinhole to the thing, which make its size known.
     tell
         Called with what is being done, how much of it, of how much.
 
@@ -91,19 +101,22 @@ def photometric_stereo(
     _among(integration, get_args(Integration), "integration")
     _among(method, get_args(Method), "method")
     _among(model, ("auto", *UNKNOWNS), "model")
-    stack = _checked_images(images)
-    inside = checked_mask(mask, (stack.shape[1], stack.shape[2]))
+    array = _checked_images(images)
+    inside = checked_mask(mask, (array.shape[1], array.shape[2]))
+    brightness = None if intensities is None else _checked_intensities(intensities, len(array))
+    stack = Stack(array, inside, _balance(brightness), _checked_saturation(saturation))
     if lights is None:
         raise HarmonicFaceError("lights: expected directions, got none: unknown lights cannot be solved yet")
-    directions = _checked_directions(lights, len(stack), intensities)
-    _enough(len(stack), "linear3")
-    tell("photographs against one another", 0, 1)
-    values = np.sqrt(np.maximum(np.linalg.eigvalsh(gram(stack, inside))[::-1], 0))
-    tell("photographs against one another", 1, 1)
-    solve = partial(known_lights.matte, lights=directions, saturation=saturation)
-    found = solved(stack, inside, solve, lambda done, of: tell("normals", done, of))
-    surface = _surface(found, inside, pixel_size, integration, tell)
-    size = 3
+    directions = _checked_directions(lights, len(array))
+    _enough(len(array), "linear3")
+    if brightness is not None:
+        directions = directions * _effective(brightness)[:, None]
+    factors = leading_factors(_told(stack, tell), 3)
+    solve = partial(known_lights.matte, lights=directions, saturation=stack.saturation)
+    found = solved(stack, solve, lambda done, of: tell("normals", done, of))
+    surface = _surface(found, inside, pixel_size, integration, intrinsics, distance, tell)
+    if array.ndim == 4:
+        surface = _coloured(surface, array, directions, brightness, stack.saturation)
     return StereoResult(
         surface=surface,
         lights=directions,
@@ -114,33 +127,85 @@ def photometric_stereo(
         used=spread(found.used, inside),
         ambiguity=Ambiguity("none", "the lights are known"),
         left_out={},
-        singular_values=values,
-        rank=int((values > values[0] * 1e-3).sum()),
-        gap=float(values[size - 1] / values[size]) if len(values) > size and values[size] > 0 else np.inf,
-        condition=float(values[0] / values[size - 1]) if values[size - 1] > 0 else np.inf,
+        singular_values=factors.singular_values,
+        rank=factors.above_noise(factors.residual(3)),
+        gap=factors.gap,
+        condition=factors.condition,
     )
 
 
-def _surface(found: Pixels, inside: Mask, pixel_size: float, integration: Integration, tell: Progress) -> Surface:
+def _told(stack: Stack, tell: Progress) -> Iterator[Floats]:
+    """Yield the blocks of photographs, telling how many pixels have been seen."""
+    total, done = stack.pixels, 0
+    for block in stack.blocks():
+        yield block
+        done += block.shape[1]
+        tell("singular values", done, total)
+
+
+def _surface(
+    found: Pixels,
+    inside: Mask,
+    pixel_size: float,
+    integration: Integration,
+    intrinsics: ArrayLike | None,
+    distance: float,
+    tell: Progress,
+) -> Surface:
     """Return normals and albedo as a Surface, with depth."""
     albedo = np.linalg.norm(found.scaled, axis=1)
     black = albedo == 0
-    normals = np.where(black[:, None], [0.0, 0.0, 1.0], found.scaled / np.where(black, 1.0, albedo)[:, None])
-    grid = spread(normals.astype(np.float32), inside)
+    normals = found.scaled / np.where(black, 1.0, albedo)[:, None].astype(np.float32)
+    normals[black] = 0, 0, 1
+    grid, shades = spread(normals, inside), spread(albedo, inside)
     if integration == "none":
-        return Surface(grid, spread(albedo, inside), inside, None, pixel_size)
+        return Surface(grid, shades, inside, None, pixel_size)
     tell("depth", 0, 1)
-    depth = integrate_normals(grid, inside, pixel_size)
+    weights = spread(_trust(found.confidence), inside) if integration == "weighted" else None
+    if integration == "bilateral":
+        depth = integrate_bilaterally(grid, inside, pixel_size, intrinsics=intrinsics, distance=distance)
+    elif intrinsics is not None:
+        depth = integrate_perspective(grid, intrinsics, inside, weights, distance=distance)
+    else:
+        depth = integrate_normals(grid, inside, pixel_size, weights)
+    if intrinsics is not None:
+        focal = np.sqrt(np.prod(np.asarray(intrinsics, np.float64)[:2]))
+        pixel_size = float(-depth[inside].mean() / focal)
     tell("depth", 1, 1)
-    return Surface(grid, spread(albedo, inside), inside, depth.astype(np.float32), pixel_size)
+    return Surface(grid, shades, inside, depth.astype(np.float32), pixel_size)
 
 
-def _checked_images(images: ArrayLike) -> Stack:
+def _trust(confidence: Floats) -> Floats:
+    """Return inverse variances of normals, those that nothing determines as the least that is sensible."""
+    return 1 / (1 + np.minimum(confidence, LEAST_TRUST).astype(np.float64) ** 2)
+
+
+def _coloured(
+    surface: Surface, images: Images, lights: Floats, brightness: Floats | None, saturation: float
+) -> Surface:
+    """Return the Surface with the albedo of each colour, under lamps of these colours, white by default."""
+    normals, albedo = surface.pixel_normals, surface.pixel_albedo
+    strength = np.linalg.norm(lights, axis=1)
+    colours = np.repeat(strength[:, None], 3, axis=1) if brightness is None or brightness.ndim == 1 else brightness
+    shown = (
+        np.where(pixels < saturation, pixels / colour, np.inf)
+        for pixels, colour in zip((image[surface.mask] for image in images), colours, strict=True)
+    )
+    shading = (normals @ (light / size).astype(normals.dtype) for light, size in zip(lights, strength, strict=True))
+    found = colour_albedo(shown, shading, albedo)
+    depth, size = surface.depth, surface.pixel_size
+    return Surface(surface.normals, spread(found, surface.mask), surface.mask, depth, size)
+
+
+def _checked_images(images: ArrayLike) -> Images:
     if isinstance(images, Sequence) and len({np.shape(image) for image in images}) > 1:
         shapes = [np.shape(image) for image in images]
         odd = next(index for index, shape in enumerate(shapes) if shape != shapes[0])
-        raise HarmonicFaceError(f"images: expected one shape, got {shapes[0]} of the first and {shapes[odd]} of {odd}")
-    stack = images if isinstance(images, np.memmap) and images.dtype.kind == "f" else _validate.floats(images, "images")
+        raise HarmonicFaceError(
+            f"images: expected all of one shape, got {shapes[0]} of the first and {shapes[odd]} of image {odd}"
+        )
+    mapped = isinstance(images, np.memmap) and images.dtype in (np.float32, np.float64)
+    stack: Images = images if mapped else _validate.floats(images, "images")  # type: ignore[assignment]
     if stack.ndim not in (3, 4) or stack.shape[3:] not in ((), (3,)) or stack.size == 0:
         raise HarmonicFaceError(
             f"images: expected an array of shape (n, h, w) or (n, h, w, 3), got {_validate.describe(stack)}"
@@ -159,8 +224,8 @@ def checked_mask(mask: ArrayLike | None, shape: tuple[int, int]) -> Mask:
     return _validate.mask(np.ones(shape, bool) if mask is None else mask, "mask", shape)
 
 
-def _checked_directions(lights: ArrayLike, count: int, intensities: ArrayLike | None) -> Floats:
-    """Return directions times brightness."""
+def _checked_directions(lights: ArrayLike, count: int) -> Floats:
+    """Return unit directions exactly, from those that have two decimals."""
     rows = _validate.vectors(lights, "lights").astype(np.float64)
     if rows.shape != (count, 3):
         raise HarmonicFaceError(f"lights: expected one direction an image, shape ({count}, 3), got {rows.shape}")
@@ -170,18 +235,34 @@ def _checked_directions(lights: ArrayLike, count: int, intensities: ArrayLike | 
         raise HarmonicFaceError(
             f"lights: expected unit directions (brightness goes into intensities), got {got} for image {index}"
         )
-    rows /= lengths[:, None]
-    return rows if intensities is None else rows * _checked_intensities(intensities, count)[:, None]
+    return np.asarray(rows / lengths[:, None])
 
 
 def _checked_intensities(intensities: ArrayLike, count: int) -> Floats:
-    """Return the mean brightness of each light."""
     values = _validate.finite(intensities, "intensities").astype(np.float64)
     if values.shape not in ((count,), (count, 3)):
         raise HarmonicFaceError(f"intensities: expected shape ({count},) or ({count}, 3), got {values.shape}")
     if not (values > 0).all():
         raise HarmonicFaceError(f"intensities: expected numbers above 0, got {values.min():.4g}")
-    return values if values.ndim == 1 else np.asarray(values.mean(axis=1))
+    return values
+
+
+def _checked_saturation(saturation: float) -> float:
+    if isinstance(saturation, bool) or not saturation > 0:
+        raise HarmonicFaceError(f"saturation: expected a number above 0, got {saturation}")
+    return float(saturation)
+
+
+def _balance(brightness: Floats | None) -> Floats | None:
+    """Return by what colours are multiplied so that each light is white: 1 / brightness, with mean 1."""
+    if brightness is None or brightness.ndim == 1:
+        return None
+    return np.asarray(1 / brightness / (1 / brightness).mean(axis=1, keepdims=True))
+
+
+def _effective(brightness: Floats) -> Floats:
+    """Return the brightness of each light in the grey of balanced colours, (n,)."""
+    return brightness if brightness.ndim == 1 else np.asarray(1 / (1 / brightness).mean(axis=1))
 
 
 def _enough(count: int, model: str) -> None:
