@@ -13,8 +13,9 @@ from harmonicface.gallery.explanation import Evidence, named, unknown
 from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
 from harmonicface.gallery.people import People
 from harmonicface.gallery.ranking import rank, shortlist
+from harmonicface.gallery.registered import looked_at, registered_look
 from harmonicface.gallery.rule import Rule
-from harmonicface.gallery.second_look import judged, second_look
+from harmonicface.gallery.whereabouts import Whereabouts
 from harmonicface.recognition.subspace import unit_photo
 
 Good = NDArray[np.bool_]
@@ -53,7 +54,7 @@ def by_projection(people: People, asked: Asked, count: int, rule: Rule) -> Match
         domain=INTENSITIES,
         reason=reason,
         evidence=_evidence(
-            people, best, asked, (0.0, 0.0), rule.ambient, named(*said) if reason is None else unknown(*said, reason)
+            people, best, asked, rule.ambient, named(*said) if reason is None else unknown(*said, reason)
         ),
     )
 
@@ -61,34 +62,35 @@ def by_projection(people: People, asked: Asked, count: int, rule: Rule) -> Match
 def by_second_look(people: People, asked: Asked, count: int, rule: Rule) -> Match:
     """Match by a second look at a shortlist; the parameters are those of `by_projection`, people with portraits."""
     pixels, good = asked
-    chosen = shortlist(people.rows, pixels[good].astype(np.float64), good, max(count, rule.shortlist))
-    look = second_look(people.photograph(pixels, good), [people.portraits[index] for index in chosen])
-    verdict = judged(look, people.pixels_of_grid)
-    names, order = people.names, verdict.order[: max(count, 2)]
+    listed = max(count, rule.shortlist)
+    chosen = shortlist(people.rows, pixels[good].astype(np.float64), good, listed)
+    seen = registered_look(people, asked, chosen, listed, rule.threshold)
+    verdict, names, shape = seen.verdict, people.names, people.frame.shape
+    order = verdict.order[: max(count, 2)]
     candidates = [
         Candidate(
-            name=names[chosen[place]],
+            name=names[seen.chosen[place]],
             distance=float(verdict.distances[place]),
             score=float(verdict.scores[place]),
-            shift=(float(verdict.shifts[place, 0]), float(verdict.shifts[place, 1])),
-            source=people.sources[names[chosen[place]]],
+            shift=seen.shift(place, shape),
+            source=people.sources[names[seen.chosen[place]]],
         )
         for place in order
     ]
-    first, index = candidates[0], int(chosen[order[0]])
+    first, best, index = candidates[0], order[0], int(seen.chosen[order[0]])
     reason = verdict.unknown(rule.threshold)
     said = (first.name, None if len(people) == 1 else first.score, rule.threshold, True)
+    said_why = named(*said) if reason is None else unknown(*said, reason)
+    shift = (float(verdict.shifts[best, 0]), float(verdict.shifts[best, 1]))
     return Match(
         name=first.name if reason is None else None,
         distance=first.distance,
         margin=ratio(candidates[1].distance, first.distance) if len(candidates) > 1 else 1.0,
-        light=people.light(index, pixels, good, first.shift) if pixels[good].any() else None,
+        light=people.light(index, *seen.asked, shift) if pixels[good].any() else None,
         candidates=tuple(candidates[:count]),
         domain=PATTERNS,
         reason=reason,
-        evidence=_evidence(
-            people, index, asked, first.shift, True, named(*said) if reason is None else unknown(*said, reason)
-        ),
+        evidence=_evidence(people, index, asked, True, said_why, seen.whereabouts(best, people, asked)),
     )
 
 
@@ -102,8 +104,7 @@ def scores_by_projection(people: People, asked: Asked, names: Sequence[str], cho
 
 def scores_by_second_look(people: People, asked: Asked, names: Sequence[str], chosen: Sequence[int]) -> SearchScores:
     """Return the scores of some people, by name and index, by a second look at all of them."""
-    look = second_look(people.photograph(*asked), [people.portraits[index] for index in chosen])
-    verdict = judged(look, people.pixels_of_grid)
+    verdict = looked_at(people, asked, np.asarray(chosen, np.intp)).verdict
     return SearchScores(tuple(names), verdict.scores, verdict.distances, verdict.shifts, verdict.blocks)
 
 
@@ -121,7 +122,7 @@ def ratio(second: float, first: float) -> float:
 
 
 def _evidence(
-    people: People, index: int, asked: Asked, shift: tuple[float, float], ambient: bool, reason: str
+    people: People, index: int, asked: Asked, ambient: bool, reason: str, where: Whereabouts | None = None
 ) -> Evidence:
     """Return what `Match.explain` needs."""
     return Evidence(
@@ -129,7 +130,7 @@ def _evidence(
         pixels=asked[0],
         good=asked[1],
         subspace=people.rows.subspace(index),
-        shift=(round(shift[0]), round(shift[1])),
+        where=where,
         geometry=people.sources[people.names[index]] in WITH_GEOMETRY,
         ambient=ambient,
         reason=reason,

@@ -9,13 +9,17 @@ from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.whereabouts import Whereabouts
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.recognition.grid import NEIGHBOURHOOD, Picture, blurred, grid
 from harmonicface.recognition.patterns import patterns
+from harmonicface.recognition.placement import Placement
 from harmonicface.recognition.robust import ALIKE, RobustFit, agreement, burnt_out, enlarged, robust_fit
 from harmonicface.recognition.subspace import Subspace
+from harmonicface.stereo.motion import Matrix, displacement, seen_through, then, undone
 
 FEWEST_PICTURES = 3  # fewer cannot be combined to another light
+ELSEWHERE = 1.0  # pixels, in the mean over the corners: nearer pictures are not resampled, which blurs
 LEAST = 1e-3  # of the largest intensity: darker parts tell no light
 
 
@@ -60,8 +64,8 @@ class Evidence:
         (p,) of the photograph, and which of them are good.
     subspace
         Of the first candidate.
-    shift
-        Whole pixels to the right and down by which the photograph shows her displaced.
+    where
+        Where she was found; None for models that look for her only where she was enrolled.
     geometry
         Whether her pictures are harmonic images.
     ambient
@@ -74,13 +78,19 @@ class Evidence:
     pixels: Floats
     good: NDArray[np.bool_]
     subspace: Subspace
-    shift: tuple[int, int]
+    where: Whereabouts | None
     geometry: bool
     ambient: bool
     reason: str
 
-    def explanation(self) -> Explanation:
+    def explanation(self, placement: Placement | None = None) -> Explanation:
         """Explain the photograph.
+
+        Parameters
+        ----------
+        placement
+            How the photograph shows her, to fractions of a pixel, if that is known. It counts where it is elsewhere
+            than where she was named, by more than a pixel.
 
         Raises
         ------
@@ -90,7 +100,10 @@ class Evidence:
         photo = self.frame.picture(self.pixels).astype(np.float32)
         seen = self.frame.mask.copy()
         seen[self.frame.mask] = self.good
-        rows = np.stack([moved(self.frame.picture(row), self.shift) for row in self.subspace.rows])
+        rows = np.stack([self.frame.picture(row) for row in self.subspace.rows])
+        if self.where is not None:
+            back = undone(_motion(self.where, placement))
+            rows = np.stack([seen_through(np.asarray(row, np.float32), back) for row in rows])
         seen &= rows.any(axis=0)
         if not seen.any() or not (photo[seen & ~burnt_out(photo, seen)] > 0).any():
             nothing = np.zeros_like(photo)
@@ -102,6 +115,15 @@ class Evidence:
             light = HarmonicLight(coefficients if self.ambient else np.concatenate([[0.0], coefficients]))
         left_out = self.frame.mask & (fit.weights < 0.5)
         return Explanation(fit.picture, photo - fit.picture, fit.weights, left_out, light, self.reason)
+
+
+def _motion(where: Whereabouts, placement: Placement | None) -> Matrix:
+    """Return the motion from her frame to the photograph by which her pictures are moved."""
+    shape = where.frame.shape
+    if placement is None:
+        return where.motion
+    motion = placement.motion(shape)
+    return motion if displacement(then(undone(where.motion), motion), shape) > ELSEWHERE else where.motion
 
 
 def smoothly_lit(photo: Picture, rows: Picture, mask: NDArray[np.bool_]) -> RobustFit:
@@ -163,19 +185,3 @@ def unknown(name: str, value: float | None, threshold: float, by_score: bool, wh
         return f"unknown: {why}"
     measure = f"{value:.3g} deviations" if by_score else f"a distance of {value:.3g}"
     return f"unknown: {why} (first is {name}, at {measure}, where {threshold:.3g} {'are' if by_score else 'is'} needed)"
-
-
-def moved(picture: Floats, shift: tuple[int, int]) -> Picture:
-    """Return a picture moved by whole pixels to the right and down; its border repeats.
-
-    Examples
-    --------
-    >>> moved(np.eye(3), (1, 0)).tolist()
-    [[1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]
-    """
-    right, down = shift
-    height, width = picture.shape
-    edge = max(abs(right), abs(down))
-    padded = np.pad(picture, edge, mode="edge")
-    inside = padded[edge - down : edge - down + height, edge - right : edge - right + width]
-    return np.ascontiguousarray(inside, np.float32)

@@ -11,8 +11,10 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.colour import luminance
+from harmonicface.stereo.motion import Matrix, seen_through
 
 LARGEST = 1e30  # sums over pixels stay finite in float32
+WHOLE = 0.99  # of a pixel must be good for it to be good where it is moved to
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,4 +106,13 @@ class Frame:
         picture, known = np.zeros(self.shape, pixels.dtype), np.zeros(self.shape, np.bool_)
         picture[target] = self.picture(pixels)[origin]
         known[target] = self.picture(good.astype(np.float32))[origin] > 0
+        return picture[self.mask], known[self.mask]
+
+    def seen_through(self, pixels: Floats, good: NDArray[np.bool_], motion: Matrix) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return compared pixels, and which are good, of the picture as seen through a motion (`seen_through`).
+
+        Beyond the frame its border is repeated.
+        """
+        picture = seen_through(np.asarray(self.picture(pixels), np.float32), motion)
+        known = seen_through(np.asarray(self.picture(good.astype(np.float32)), np.float32), motion) > WHOLE
         return picture[self.mask], known[self.mask]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
+from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.recognition.subspace import unit_photo
 
@@ -13,6 +16,7 @@ ROUNDING = 1e-5
 # Through a mask it is divided by the eigenvalues of Q Q^T over the good pixels, which magnify the rounding.
 MASKED_ROUNDING = 1e-3
 SMALLEST_EIGENVALUE = 0.05
+DISPLACEMENTS = (-1 / 12, -1 / 24, 0.0, 1 / 24, 1 / 12)  # of the height, across and down
 
 
 def rank(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_], top: int) -> list[tuple[float, int]]:
@@ -55,6 +59,33 @@ def shortlist(rows: StackedRows, pixels: NDArray[np.float64], good: NDArray[np.b
         return np.arange(min(count, len(rows)))
     unit = unit_photo(pixels, len(pixels))
     closeness = rows.closeness(unit) if good.all() else _masked_closeness(rows, unit, good)
+    return np.sort(np.argpartition(closeness, -count)[-count:])
+
+
+def displaced_shortlist(
+    rows: StackedRows, frame: Frame, pixels: NDArray[np.float64], good: NDArray[np.bool_], count: int
+) -> NDArray[np.intp]:
+    """Return the `count` people nearest to a photograph that may show them displaced by up to a twelfth of its height.
+
+    Parameters
+    ----------
+    rows, count
+        As for `shortlist`.
+    frame
+        The gallery's.
+    pixels, good
+        (p,) of a photograph that is not dark, and which are good.
+    """
+    if count >= len(rows):
+        return np.arange(len(rows))
+    steps = [round(part * frame.shape[0]) for part in DISPLACEMENTS]
+    units = []
+    for right, down in product(steps, steps):
+        moved, known = frame.moved(pixels, good, (right, down))
+        length = float(np.linalg.norm(moved[known]))
+        if length > 0:
+            units.append((moved * known / length).astype(np.float32))
+    closeness = rows.displaced_closeness(np.stack(units))
     return np.sort(np.argpartition(closeness, -count)[-count:])
 
 

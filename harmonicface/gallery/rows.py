@@ -78,6 +78,12 @@ class StackedRows:
         """Return the product of every row with a photograph, (n,)."""
         return np.asarray(self.array @ unit.astype(np.float32))
 
+    def displaced_closeness(self, units: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the largest |Q_i y|^2 of some unit photographs y, (s, p), for everybody, by one pass over all rows."""
+        products = self.array @ units.T
+        np.square(products, out=products)
+        return np.asarray(np.add.reduceat(products, self._starts[:-1], axis=0).max(axis=1))
+
     def closeness(self, unit: NDArray[np.float64]) -> NDArray[np.float32]:
         """Return |Q_i y|^2 of a unit photograph y for everybody, by one product over all rows."""
         products = self.products(unit)

@@ -46,6 +46,8 @@ class SecondLook:
         (n, 2) pixels of the grid to the right and down by which the photograph shows her displaced.
     blocks
         Of how many blocks the photograph has a pattern.
+    charge
+        Deviations that are taken off all scores, for the freedom with which the photograph was chosen.
     """
 
     patterns: NDArray[np.float64]
@@ -54,6 +56,7 @@ class SecondLook:
     closeness: NDArray[np.float64] | None
     shifts: NDArray[np.int64]
     blocks: int
+    charge: float = 0.0
 
     @property
     def likenesses(self) -> NDArray[np.float64]:
@@ -69,7 +72,7 @@ class SecondLook:
             measures.append(standardized(self.surprises, 1.0))
             measures.append(standardized(self.rendered, USUAL_RENDERED * scale))
             measures.append(standardized(self.closeness, USUAL_CLOSENESS))
-        return fused(measures)
+        return fused(measures) - self.charge
 
 
 def second_look(photo: Photograph, people: Sequence[Portrait]) -> SecondLook:

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 import harmonicface as hf
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.explanation import moved, named, unknown
+from harmonicface.gallery.explanation import named, unknown
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
 
@@ -159,12 +159,6 @@ def test_a_gallery_may_change_before_the_explanation_is_asked_for() -> None:
     gallery.remove("1")
     gallery.enroll("3", PEOPLE[3])
     assert_allclose(match.explain().reconstruction, expected.reconstruction)
-
-
-def test_a_picture_is_moved() -> None:
-    picture = np.arange(12.0).reshape(3, 4)
-    assert np.array_equal(moved(picture, (0, 0)), picture)
-    assert np.array_equal(moved(picture, (-1, 2))[2, :3], picture[0, 1:])
 
 
 def test_what_cannot_be_explained() -> None:

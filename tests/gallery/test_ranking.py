@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from harmonicface.gallery.ranking import ROUNDING, rank, shortlist
+from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.ranking import ROUNDING, displaced_shortlist, rank, shortlist
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.recognition.subspace import Subspace
 
@@ -87,3 +88,19 @@ def test_a_shortlist_of_a_dark_photograph_or_of_everybody() -> None:
     rows, _ = people(5, 4)
     assert shortlist(rows, np.zeros(PIXELS), EVERYWHERE, 3).tolist() == [0, 1, 2]
     assert shortlist(rows, np.ones(PIXELS), EVERYWHERE, 9).tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(("right", "down"), [(0, 0), (2, 0), (-1, 2), (-2, -2)])
+def test_who_is_displaced_is_on_the_list_of_the_displaced(right: int, down: int) -> None:
+    rng = np.random.default_rng(0)
+    frame = Frame(rng.uniform(size=(24, 20)) > 0.1)
+    rows = StackedRows(np.empty((0, frame.pixels), np.float32))
+    pictures = rng.normal(size=(40, 24, 20))
+    for picture in pictures:
+        rows.append(Subspace.of(picture[frame.mask][None]))
+    photo = np.roll(pictures[17], (down, right), axis=(0, 1))[frame.mask]
+    good = rng.uniform(size=frame.pixels) > 0.1
+    found = displaced_shortlist(rows, frame, photo, good, 3)
+    assert len(found) == 3
+    assert 17 in found
+    assert displaced_shortlist(rows, frame, photo, good, 40).tolist() == list(range(40))

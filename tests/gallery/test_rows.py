@@ -64,3 +64,13 @@ def test_many_people_cost_few_copies() -> None:
         rows.append(subspace(seed))
         buffers.add(rows.array.__array_interface__["data"][0])
     assert len(buffers) < 20
+
+
+def test_the_largest_closeness_to_some_photographs() -> None:
+    rows = empty()
+    for number in (3, 5, 8):
+        rows.append(subspace(number))
+    photos = np.random.default_rng(0).normal(size=(4, PIXELS))
+    photos /= np.linalg.norm(photos, axis=1, keepdims=True)
+    expected = np.max([rows.closeness(photo) for photo in photos], axis=0)
+    assert_allclose(rows.displaced_closeness(photos.astype(np.float32)), expected, rtol=1e-5)
