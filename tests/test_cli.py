@@ -139,12 +139,17 @@ def test_matching_as_one_json_object(run: Run, folder: Path, people: Path) -> No
     assert set(found) == {"gallery", "matches"}
     expected = hf.Gallery.open(people).match(hf.read_image(folder / "ada1.png"), top=1)
     first = found["matches"][0]
-    assert set(first) == {"photo", "name", "distance", "margin", "light", "candidates"}
+    said = {"photo", "name", "reason", "source", "distance", "margin", "light", "motion", "candidates"}
+    assert set(first) == said
+    assert (first["reason"], first["source"]) == (None, "surface")
+    assert expected.motion is not None
+    assert first["motion"] == {part: getattr(expected.motion, part) for part in ("right", "down", "turn", "growth")}
     assert (first["photo"], first["name"]) == (str(folder / "ada1.png"), "ada")
     assert (first["distance"], first["margin"]) == (expected.distance, expected.margin)
     assert expected.light is not None
     assert first["light"] == expected.light.values.tolist()
-    assert first["candidates"] == [{"name": "ada", "distance": expected.distance}]
+    score = expected.candidates[0].score
+    assert first["candidates"] == [{"name": "ada", "distance": expected.distance, "score": score, "source": "surface"}]
     assert found["matches"][1]["name"] == "emmy"
 
 
@@ -152,7 +157,9 @@ def test_somebody_unknown(run: Run, folder: Path, people: Path) -> None:
     hf.write_image(folder / "stripes.png", np.tile([0.1, 0.9], (24, 12)))
     answer = run("match", people, folder / "stripes.png")
     assert f"{folder / 'stripes.png'}: unknown (" in answer.out
-    assert json.loads(run("match", people, folder / "stripes.png", "--json").out)["matches"][0]["name"] is None
+    found = json.loads(run("match", people, folder / "stripes.png", "--json").out)["matches"][0]
+    assert (found["name"], found["motion"]) == (None, None)
+    assert answer.out.splitlines()[0].endswith(f"): {found['reason']}")
 
 
 def test_enrolling_from_photographs(run: Run, folder: Path) -> None:

@@ -121,11 +121,20 @@ def match(
             if face is not None:
                 place = f"{face.side:.0f} pixels, from ({face.left:.0f}, {face.top:.0f})"
                 typer.echo(f"{path}: a face of {place}, seen by {face.support} windows")
-            typer.echo(f"{path}: {found.name or 'unknown'} (distance {found.distance:.4f}, margin {found.margin:.2f})")
+            typer.echo(f"{path}: {_said(found)}")
             for candidate in found.candidates:
                 typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
     if as_json:
         typer.echo(json.dumps({"gallery": str(gallery), "matches": answers}))
+
+
+def _said(found: Match) -> str:
+    """Say whom a match names and how a photograph shows her, or why it names nobody."""
+    measures = f"distance {found.distance:.4f}, margin {found.margin:.2f}"
+    if found.name is None:
+        return f"unknown ({measures}): {found.reason}"
+    where = "" if found.motion is None else f"; {found.motion.said}"
+    return f"{found.name} ({measures}{where})"
 
 
 def _as_dict(path: Path, found: Match, face: FaceBox | None) -> dict[str, object]:
@@ -133,8 +142,19 @@ def _as_dict(path: Path, found: Match, face: FaceBox | None) -> dict[str, object
         "photo": str(path),
         **({} if face is None else {"face": asdict(face)}),
         "name": found.name,
+        "reason": found.reason,
+        "source": found.source,
         "distance": found.distance,
         "margin": found.margin if np.isfinite(found.margin) else None,
         "light": None if found.light is None else found.light.values.tolist(),
-        "candidates": [{"name": candidate.name, "distance": candidate.distance} for candidate in found.candidates],
+        "motion": None if found.motion is None else asdict(found.motion),
+        "candidates": [
+            {
+                "name": candidate.name,
+                "distance": candidate.distance,
+                "score": candidate.score,
+                "source": candidate.source,
+            }
+            for candidate in found.candidates
+        ],
     }

@@ -55,6 +55,18 @@ class Placement:
         turn, size = np.degrees(np.arctan2(motion[1, 0], motion[0, 0])), np.hypot(motion[0, 0], motion[1, 0])
         return cls(float(right), float(down), float(turn.round(9)), float(size.round(9) - 1))
 
+    @property
+    def said(self) -> str:
+        """The placement in words.
+
+        Examples
+        --------
+        >>> Placement(2.5, -1, 3, 0.05).said
+        'shifted by 2.5 right and -1.0 down, turned by 3.0 degrees, 5.0 % larger'
+        """
+        shift = f"shifted by {self.right + 0.0:.1f} right and {self.down + 0.0:.1f} down"
+        return f"{shift}, turned by {self.turn:.1f} degrees, {100 * self.growth:.1f} % larger"
+
     def scaled(self, factor: float) -> Placement:
         """Return the same placement in pixels that are smaller by a factor."""
         return Placement(factor * self.right, factor * self.down, self.turn, self.growth)
