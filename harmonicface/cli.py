@@ -13,6 +13,7 @@ from harmonicface.commands.evaluation import bench, evaluate_yale
 from harmonicface.commands.pictures import images
 from harmonicface.commands.recognition import enroll, match
 from harmonicface.commands.relighting import relight
+from harmonicface.commands.stereo import stereo
 from harmonicface.errors import HarmonicFaceError
 
 # What typer raises for a wrong option; it has no public name.
@@ -24,7 +25,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (bench, enroll, match, images, relight, light):
+for command in (bench, enroll, match, images, relight, light, stereo):
     app.command()(command)
 evaluate = typer.Typer(help="Published protocols on data that you have.", no_args_is_help=True)
 evaluate.command("yale-b")(evaluate_yale)

@@ -67,7 +67,9 @@ class Photographs:
         parts, top = [], 0
         for values, full in rows:
             inside = mask[top : top + len(values)]
-            shown = np.where(full[inside][:, None], np.inf, values[inside].reshape(int(inside.sum()), -1))
+            shown = np.where(
+                full[inside][:, None], np.inf, values[inside] if values.ndim == 3 else values[inside, None]
+            )
             parts.append(np.broadcast_to(shown, (len(shown), 3)))
             top += len(values)
         return np.concatenate(parts).astype(np.float32)
@@ -172,10 +174,10 @@ def opened_photographs(
             if pixels.values.shape[:2] != first.values.shape[:2]:
                 expected, got = (" x ".join(map(str, each.values.shape[1::-1])) for each in (first, pixels))
                 raise HarmonicFaceError(f"{file}: expected {expected} pixels as {files[0].name} has, got {got}")
-            coloured |= pixels.values.ndim == 3
             top = 0
             for values, full in _rows(file, pixels, transfer, side):
                 grey = values if values.ndim == 2 else _grey(values, None if balance is None else balance[index])
+                coloured = coloured or (values.ndim == 3 and bool((values[..., 1:] != values[..., :1]).any()))
                 grey = np.where(full, np.float32(FULL), grey)
                 bottom = top + len(values)
                 images[index, top:bottom] = grey

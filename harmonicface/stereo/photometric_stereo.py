@@ -13,7 +13,7 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo import known_lights
-from harmonicface.stereo.colour import colour_albedo
+from harmonicface.stereo.colour import with_colours
 from harmonicface.stereo.discontinuity import integrate_bilaterally
 from harmonicface.stereo.factors import leading_factors
 from harmonicface.stereo.in_blocks import Images, Pixels, Stack, solved, spread
@@ -104,20 +104,18 @@ def photometric_stereo(
     array = _checked_images(images)
     inside = checked_mask(mask, (array.shape[1], array.shape[2]))
     brightness = None if intensities is None else _checked_intensities(intensities, len(array))
-    stack = Stack(array, inside, _balance(brightness), _checked_saturation(saturation))
+    stack = Stack(array, inside, balance(brightness), _checked_saturation(saturation))
     if lights is None:
         raise HarmonicFaceError("lights: expected directions, got none: unknown lights cannot be solved yet")
     directions = _checked_directions(lights, len(array))
     _enough(len(array), "linear3")
     if brightness is not None:
-        directions = directions * _effective(brightness)[:, None]
+        directions = directions * effective(brightness)[:, None]
     factors = leading_factors(_told(stack, tell), 3)
     solve = partial(known_lights.matte, lights=directions, saturation=stack.saturation)
     found = solved(stack, solve, lambda done, of: tell("normals", done, of))
     surface = _surface(found, inside, pixel_size, integration, intrinsics, distance, tell)
-    if array.ndim == 4:
-        surface = _coloured(surface, array, directions, brightness, stack.saturation)
-    return StereoResult(
+    result = StereoResult(
         surface=surface,
         lights=directions,
         model="linear3",
@@ -132,6 +130,10 @@ def photometric_stereo(
         gap=factors.gap,
         condition=factors.condition,
     )
+    if array.ndim == 3:
+        return result
+    colours = (np.where(image[inside] < stack.saturation, image[inside], np.inf) for image in array)
+    return with_colours(result, colours, brightness if brightness is not None and brightness.ndim == 2 else None)
 
 
 def _told(stack: Stack, tell: Progress) -> Iterator[Floats]:
@@ -178,23 +180,6 @@ def _surface(
 def _trust(confidence: Floats) -> Floats:
     """Return inverse variances of normals, those that nothing determines as the least that is sensible."""
     return 1 / (1 + np.minimum(confidence, LEAST_TRUST).astype(np.float64) ** 2)
-
-
-def _coloured(
-    surface: Surface, images: Images, lights: Floats, brightness: Floats | None, saturation: float
-) -> Surface:
-    """Return the Surface with the albedo of each colour, under lamps of these colours, white by default."""
-    normals, albedo = surface.pixel_normals, surface.pixel_albedo
-    strength = np.linalg.norm(lights, axis=1)
-    colours = np.repeat(strength[:, None], 3, axis=1) if brightness is None or brightness.ndim == 1 else brightness
-    shown = (
-        np.where(pixels < saturation, pixels / colour, np.inf)
-        for pixels, colour in zip((image[surface.mask] for image in images), colours, strict=True)
-    )
-    shading = (normals @ (light / size).astype(normals.dtype) for light, size in zip(lights, strength, strict=True))
-    found = colour_albedo(shown, shading, albedo)
-    depth, size = surface.depth, surface.pixel_size
-    return Surface(surface.normals, spread(found, surface.mask), surface.mask, depth, size)
 
 
 def _checked_images(images: ArrayLike) -> Images:
@@ -253,14 +238,14 @@ def _checked_saturation(saturation: float) -> float:
     return float(saturation)
 
 
-def _balance(brightness: Floats | None) -> Floats | None:
+def balance(brightness: Floats | None) -> Floats | None:
     """Return by what colours are multiplied so that each light is white: 1 / brightness, with mean 1."""
     if brightness is None or brightness.ndim == 1:
         return None
     return np.asarray(1 / brightness / (1 / brightness).mean(axis=1, keepdims=True))
 
 
-def _effective(brightness: Floats) -> Floats:
+def effective(brightness: Floats) -> Floats:
     """Return the brightness of each light in the grey of balanced colours, (n,)."""
     return brightness if brightness.ndim == 1 else np.asarray(1 / (1 / brightness).mean(axis=1))
 

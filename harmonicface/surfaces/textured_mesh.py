@@ -68,28 +68,30 @@ def textured_mesh(
         raise HarmonicFaceError("surface: expected one with depth, got none")
     texture = _texture(surface, white)
     pixels = int(surface.mask.sum())
-    coarse, scale = surface, (1.0, 1.0)
+    coarse = surface
     if pixels > most:
         factor = np.sqrt(most / pixels)
-        height, width = (max(int(side * factor), 2) for side in surface.shape)
-        coarse = resize(surface, (height, width))
-        scale = width / surface.shape[1], height / surface.shape[0]
+        coarse = resize(surface, (max(int(surface.shape[0] * factor), 2), max(int(surface.shape[1] * factor), 2)))
+    step = coarse.pixel_size / surface.pixel_size  # larger pixels around the same middle
+    down, across = ((new - old / step) / 2 for new, old in zip(coarse.shape, surface.shape, strict=True))
     if intrinsics is None:
         mesh, inside = mesh_from_depth(coarse), coarse.mask
     else:
-        fx, fy, cx, cy = intrinsics
-        seen = surface_from_depth(
-            np.asarray(coarse.depth),
-            mask=coarse.mask,
-            intrinsics=(fx * scale[0], fy * scale[1], cx * scale[0], cy * scale[1]),
-        )
+        fx, fy, cx, cy = (float(number) / step for number in intrinsics)
+        camera = fx, fy, cx + across, cy + down
+        seen = surface_from_depth(np.asarray(coarse.depth), mask=coarse.mask, intrinsics=camera)
         assert seen.scene is not None
         mesh, inside = seen.scene.mesh, seen.mask
     rows, columns = np.nonzero(inside)
-    uv = np.stack([(columns + 0.5) / inside.shape[1], 1 - (rows + 0.5) / inside.shape[0]], axis=1)
-    wears = np.zeros(len(mesh.faces), np.int64)
-    white_vertices = np.ones_like(mesh.vertices)
-    return replace(mesh, uv=uv, textures=(texture,), face_texture=wears, vertex_albedo=white_vertices)
+    u = (columns + 0.5 - across) * step / surface.shape[1]
+    v = 1 - (rows + 0.5 - down) * step / surface.shape[0]
+    return replace(
+        mesh,
+        uv=np.stack([u, v], axis=1),
+        textures=(texture,),
+        face_texture=np.zeros(len(mesh.faces), np.int64),
+        vertex_albedo=np.ones_like(mesh.vertices),
+    )
 
 
 def _texture(surface: Surface, white: float | None) -> NDArray[np.float32]:
