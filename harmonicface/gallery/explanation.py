@@ -14,7 +14,7 @@ from harmonicface.lighting.light import HarmonicLight
 from harmonicface.recognition.grid import NEIGHBOURHOOD, Picture, blurred, grid
 from harmonicface.recognition.patterns import patterns
 from harmonicface.recognition.placement import Placement
-from harmonicface.recognition.robust import ALIKE, RobustFit, agreement, burnt_out, enlarged, robust_fit
+from harmonicface.recognition.robust import ALIKE, RobustFit, agreement, enlarged, robust_fit, shows_light
 from harmonicface.recognition.subspace import Subspace
 from harmonicface.stereo.motion import Matrix, displacement, seen_through, then, undone
 
@@ -105,7 +105,7 @@ class Evidence:
             back = undone(_motion(self.where, placement))
             rows = np.stack([seen_through(np.asarray(row, np.float32), back) for row in rows])
         seen &= rows.any(axis=0)
-        if not seen.any() or not (photo[seen & ~burnt_out(photo, seen)] > 0).any():
+        if not shows_light(photo, seen):
             nothing = np.zeros_like(photo)
             return Explanation(nothing, photo, nothing, self.frame.mask.copy(), None, self.reason)
         fit = robust_fit(photo, rows, seen) if len(rows) >= FEWEST_PICTURES else smoothly_lit(photo, rows, seen)

@@ -13,6 +13,7 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.grid import OnGrid, Picture, blurred, filled, grid, resized
 from harmonicface.recognition.patterns import Pattern, patterns_on_grid
+from harmonicface.recognition.saturation import burnt_out
 
 ROUNDS = 8
 AGREEMENT = 5.0  # standard deviation in pixels of the grid over which patterns are correlated
@@ -24,8 +25,6 @@ NORMAL = 1.4826  # median of absolute values to standard deviation
 LEAST_SCALE = 0.04  # of the root mean square intensity: about what nine images leave of a matte head
 FEWEST = 60  # pixels that agree, for a scale to be taken from them alone
 UNEXPLAINED = 0.25  # of the energy of what is left out counts as unexplained: distance 0.5, where nobody is known
-PILE = 0.8  # of the largest intensity: fewer pixels from there up to it than at it are a pile of burnt-out ones
-LEAST_PILE = 0.001  # of all pixels
 RANK = 1e-7  # directions with a smaller part of the largest eigenvalue are left alone
 
 
@@ -112,16 +111,15 @@ def robust_fit(photo: ArrayLike, images: ArrayLike, mask: ArrayLike | None = Non
     unit = float(np.abs(scaled[seen]).max()) or 1.0
     pixels = (scaled / unit).astype(np.float32)
     _validate.at_least(rounds, 1, "rounds")
-    usable = seen & ~burnt_out(pixels, seen)
-    shape = grid((pixels.shape[0], pixels.shape[1]))
-    cover = resized(usable.astype(np.float32), shape)
-    light = filled(resized(pixels * usable, shape), cover)
-    small = np.stack(
-        [filled(resized(image * seen, shape), resized(seen.astype(np.float32), shape)) for image in pictures]
-    )
-    good = (cover > 0.5).astype(np.float32)
+    usable, light, good = _usable(pixels, seen)
     if not (light * good).any():
         raise HarmonicFaceError("photo: expected some light in it that is not burnt out, got none")
+    small = np.stack(
+        [
+            filled(resized(image * seen, light.shape), resized(seen.astype(np.float32), light.shape))
+            for image in pictures
+        ]
+    )
     weights = _weights(light, small.reshape(len(small), -1), good, rounds)
     coefficients = _solve(light, small.reshape(len(small), -1), weights)
     full = enlarged(weights, pixels.shape) * usable
@@ -140,6 +138,30 @@ def robust_fit(photo: ArrayLike, images: ArrayLike, mask: ArrayLike | None = Non
         remaining / energy,
         seen & ~kept,
     )
+
+
+def shows_light(photo: Picture, mask: NDArray[np.bool_]) -> bool:
+    """Tell whether a photograph shows some light that is not burnt out, which is what `robust_fit` needs.
+
+    Parameters
+    ----------
+    photo
+        (h, w) float32 intensities, at least 24 pixels a side.
+    mask
+        (h, w) booleans: which pixels are looked at.
+
+    Examples
+    --------
+    >>> everywhere = np.ones((24, 24), np.bool_)
+    >>> [shows_light(np.full((24, 24), value, np.float32), everywhere) for value in (0, 1)]
+    [False, False]
+    >>> shows_light(np.linspace(0, 1, 576, dtype=np.float32).reshape(24, 24), everywhere)
+    True
+    """
+    if not mask.any():
+        return False
+    _, light, good = _usable(photo, mask)
+    return bool((light * good).any())
 
 
 def agreement(photo: Pattern, other: Pattern) -> Picture:
@@ -174,38 +196,12 @@ def agreement(photo: Pattern, other: Pattern) -> Picture:
     return np.asarray(blurred(ours * theirs, AGREEMENT) / np.sqrt(energy + np.float32(1e-8)))
 
 
-def burnt_out(photo: ArrayLike, mask: ArrayLike | None = None) -> NDArray[np.bool_]:
-    """Return which pixels are burnt out: at the largest intensity, if more of them are there than a little below it.
-
-    Nothing has to be known of the camera. What is exact, as renderings are, has its largest intensity once.
-
-    Parameters
-    ----------
-    photo
-        (h, w) intensities.
-    mask
-        (h, w) booleans: which pixels are looked at, all by default.
-
-    Raises
-    ------
-    HarmonicFaceError
-        Another shape, NaN or infinity, another mask.
-
-    Examples
-    --------
-    >>> ramp = np.linspace(0, 2, 100).reshape(10, 10)
-    >>> int(burnt_out(ramp).sum()), int(burnt_out(np.minimum(ramp, 1)).sum())
-    (0, 50)
-    """
-    pixels = _validate.finite(photo, "photo")
-    if pixels.ndim != 2 or pixels.size == 0:
-        raise HarmonicFaceError(f"photo: expected shape (h, w), got {_validate.describe(pixels)}")
-    seen = np.ones(pixels.shape, np.bool_) if mask is None else _validate.mask(mask, "mask", pixels.shape)
-    largest = pixels[seen].max()
-    top = seen & (pixels == largest)
-    below = int((seen & (pixels >= PILE * largest)).sum()) - int(top.sum())
-    piled = largest > 0 and top.sum() > max(below, LEAST_PILE * seen.sum(), 1)
-    return top if piled else np.zeros(pixels.shape, np.bool_)
+def _usable(pixels: Picture, seen: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Picture, Picture]:
+    """Return which pixels are seen and not burnt out; the light of these on the grid, and where it is known, 0 or 1."""
+    usable = seen & ~burnt_out(pixels, seen)
+    shape = grid((pixels.shape[0], pixels.shape[1]))
+    cover = resized(usable.astype(np.float32), shape)
+    return usable, filled(resized(pixels * usable, shape), cover), (cover > 0.5).astype(np.float32)
 
 
 def _weights(light: Picture, rows: Picture, good: Picture, rounds: int) -> Picture:

@@ -128,6 +128,16 @@ def test_nothing_to_explain(dark: float) -> None:
     assert explained.reason.startswith("unknown: the photograph has no detail to compare")
 
 
+def test_a_large_photograph_that_is_burnt_out_but_for_a_few_pixels() -> None:
+    gallery = Gallery()
+    for number in range(3):
+        gallery.enroll(str(number), hf.synthetic_person(number, 192))
+    photo = np.ones((192, 192))
+    photo[[20, 70, 150], [30, 110, 60]] = 0.9
+    match = gallery.match(photo)
+    assert match.name is None and match.left_out.all()
+
+
 def test_the_reason_says_what_was_needed() -> None:
     gallery = gallery_of()
     known, stranger = gallery.match(hf.render(PEOPLE[1], LAMP)), gallery.match(hf.render(PEOPLE[3], LAMP))

@@ -14,7 +14,7 @@ import harmonicface as hf
 from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.patterns import Template, patterns, similarity
-from harmonicface.recognition.robust import agreement, burnt_out, robust_fit
+from harmonicface.recognition.robust import agreement, robust_fit, shows_light
 from harmonicface.stereo.reconstruction import reconstruct
 
 ADA, EMMY = hf.synthetic_people(2, 64, seed=3)
@@ -124,20 +124,16 @@ def test_agreement_is_a_local_correlation() -> None:
     assert np.abs(agreement(one, np.zeros_like(one))).max() == 0
 
 
-def test_one_brightest_pixel_and_darkness_are_not_burnt_out() -> None:
-    assert not burnt_out(np.linspace(0, 1, 100).reshape(10, 10)).any()
-    assert not burnt_out(np.zeros((10, 10))).any()
-    few_levels = np.random.default_rng(0).integers(0, 6, (64, 64))  # an unlit photograph
-    few_levels[0, :3] = 6
-    assert not burnt_out(few_levels).any()
-
-
-def test_only_what_the_mask_shows_can_be_burnt_out() -> None:
-    photo = np.linspace(0, 1, 100).reshape(10, 10)
-    photo[5:] = 1
-    assert burnt_out(photo).sum() == 50
-    mask = np.arange(10)[:, None] * np.ones(10) < 5
-    assert not burnt_out(photo, mask).any()
+def test_a_few_pixels_that_are_not_burnt_out_show_no_light() -> None:
+    photo, everywhere = np.ones((64, 64), np.float32), np.ones((64, 64), np.bool_)
+    photo[10, 10] = photo[30, 40] = 0.9
+    assert shows_light(photo, everywhere)
+    large = np.ones((192, 192), np.float32)
+    large[10, 10] = large[30, 40] = 0.9  # less than half of a pixel of the grid
+    everywhere = np.ones((192, 192), np.bool_)
+    assert not shows_light(large, everywhere) and not shows_light(large, ~everywhere)
+    with pytest.raises(HarmonicFaceError, match="photo: expected some light in it that is not burnt out, got none"):
+        robust_fit(large, np.ones((1, 192, 192)))
 
 
 @pytest.mark.data
@@ -184,8 +180,6 @@ def test_bad_input(arguments: dict, message: str) -> None:
         robust_fit(**{"photo": noisy(ADA), "images": nine(ADA), "mask": ADA.mask, **arguments})
 
 
-def test_bad_patterns_and_photographs() -> None:
+def test_bad_patterns() -> None:
     with pytest.raises(HarmonicFaceError, match=r"patterns: expected two of one shape \(s, h, w\)"):
         agreement(np.zeros((3, 8, 8), np.float32), np.zeros((3, 8, 9), np.float32))
-    with pytest.raises(HarmonicFaceError, match=r"photo: expected shape \(h, w\), got"):
-        burnt_out(np.zeros(4))
