@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harmonicface._validate import Floats
-from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo import known_lights
 from harmonicface.stereo.in_blocks import Pixels, Stack, solved
 from harmonicface.stereo.result import Ambiguity, Model
 from harmonicface.stereo.unknown_directions import unknown_directions
+from harmonicface.stereo.unknown_lamps import unknown_lamps
 
 MOST_PIXELS = 150_000  # that tell the lights: more change them by less than the model's own misfit
 
@@ -76,16 +76,21 @@ def find_lights(
 
 def _solve(observations: Floats, stack: Stack, model: str, face: bool, brightness: Floats | None) -> Found:
     """Return what the solver of a model finds."""
-    if brightness is None or model not in ("auto", "linear3"):
-        raise HarmonicFaceError("lights: expected their intensities at least, got nothing")
+    if brightness is None:
+        lamps = unknown_lamps(observations, stack.mask, face=face, saturation=stack.saturation)
+        return Found(lamps.lights, lamps.pixels, "linear3", _asked(model), lamps.ambiguity, {})
     even = observations / brightness[:, None].astype(observations.dtype)
     saturated = observations >= stack.saturation
     highest = float(even.max()) * (1 + 1e-3)
     even[saturated] = highest  # each photograph's own ceiling has become another one
     lamps = unknown_directions(even, stack.mask, highest)
-    reason = "the intensities of distant lamps were given" if model == "auto" else "asked for"
     lights = lamps.lights * brightness[:, None]
+    reason = "the intensities of distant lamps were given"
     return Found(lights, lamps.pixels, "linear3", reason, lamps.ambiguity, {})
+
+
+def _asked(model: str) -> str:
+    return "distant lamps are what is tried first" if model == "auto" else "asked for"
 
 
 def _finer(stack: Stack, found: Found, method: str, tell: Tell) -> Pixels:
