@@ -24,6 +24,8 @@ OBSERVATIONS, BRIGHTEST = 30_000, 0.01  # of them those that stand out most from
 GLOSS_BIAS, GLOSS_ERROR = -0.07, (0.05, 0.05, 0.08)  # a lobe is not centred on the bisector: relief comes out flat
 SHARP, DULLING = -3.5, 1.5  # a score from which highlights are clear, and how fast their error grows above it
 EQUAL = 0.1  # of brightness: lamps that can be made as equal as that are equal
+LEAST_EQUAL = 10  # lamps: fewer may be made equal by chance
+LAMPS_ERROR = 0.05  # of a surface that is not matte, whatever the lamps
 USUAL, USUAL_ERROR = (0.0, 0.0, 0.3), (0.2, 0.2, 0.25)  # tilt and relief of things that are seen whole, from the front
 FARTHEST = 1.5  # of any parameter, from the upright frame
 
@@ -170,15 +172,18 @@ def highlights(observations: Floats, lights: Doubles, scaled: Doubles, start: Do
 
 def equal_lamps(lights: Doubles) -> Cue | None:
     """Return the relief in which lamps are equally bright, if there is one: equal by chance they would hardly be."""
-    if len(lights) < 8:
-        return None
+    cue = known_lamps(lights)
+    brightness = np.linalg.norm(lights @ np.linalg.inv(matrix_of(cue.relief)), axis=1)
+    spread = 1.4826 * np.median(np.abs(np.log(brightness / np.median(brightness))))
+    return cue if len(lights) >= LEAST_EQUAL and spread < EQUAL else None
+
+
+def known_lamps(lights: Doubles) -> Cue:
+    """Return the relief in which lamps that are known to be equally bright are."""
     frame, deviations = relief_of_equal_lamps(lights)
-    brightness = np.linalg.norm(lights @ np.linalg.inv(frame), axis=1)
-    if 1.4826 * np.median(np.abs(np.log(brightness))) > EQUAL:
-        return None
     upright = frame / frame[2, 2]
     relief = np.array([-upright[0, 2], -upright[1, 2], np.log(upright[0, 0])])
-    return Cue("equal lamps", relief, 2 * deviations + 0.02)
+    return Cue("equal lamps", relief, deviations + LAMPS_ERROR)
 
 
 def _neighbours(mask: Mask, seed: int) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
@@ -189,7 +194,7 @@ def _neighbours(mask: Mask, seed: int) -> tuple[NDArray[np.intp], NDArray[np.int
     rows, columns = np.nonzero(mask)
     first = random.integers(0, len(rows), PAIRS)
     size = np.sqrt(len(rows))
-    distance = np.maximum(size * np.exp(random.uniform(*np.log(DISTANCES), PAIRS)), 1.0)
+    distance = np.maximum(size * np.exp(random.uniform(np.log(DISTANCES[0]), np.log(DISTANCES[1]), PAIRS)), 1.0)
     angle = random.uniform(0, 2 * np.pi, PAIRS)
     down = np.clip(np.round(rows[first] + distance * np.sin(angle)).astype(int), 0, mask.shape[0] - 1)
     right = np.clip(np.round(columns[first] + distance * np.cos(angle)).astype(int), 0, mask.shape[1] - 1)

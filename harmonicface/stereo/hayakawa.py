@@ -42,10 +42,6 @@ class LinearFactors:
     scaled: Doubles
     weights: NDArray[np.float32]
 
-    def moved(self, frame: Doubles) -> tuple[Doubles, Doubles]:
-        """Return lights and scaled normals after `scaled -> frame scaled`, which leaves their products."""
-        return self.lights @ np.linalg.inv(frame), self.scaled @ frame.T
-
 
 def linear_factors(observations: Floats, saturation: float | Floats = np.inf) -> LinearFactors:
     r"""Factorize photographs of a matte surface under distant lamps robustly into three unknown factors.

@@ -10,7 +10,8 @@ from harmonicface.stereo.bas_relief_cues import Cue, equal_albedo, equal_lamps, 
 from harmonicface.stereo.hayakawa import equalized, linear_factors
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame
-from harmonicface.stereo.lamps import Lamps, bulging, judged
+from harmonicface.stereo.lamps import Lamps, bulging, solved_under
+from harmonicface.stereo.matte_refinement import refined
 from harmonicface.stereo.result import Ambiguity
 from harmonicface.stereo.rim import DECIDED
 from harmonicface.stereo.unknown_directions import checked_inside
@@ -23,16 +24,24 @@ OPEN = 1.0  # of the frame's gap: below, the curl tells less than its own noise
 
 
 def unknown_lamps(
-    observations: Floats, mask: Mask, *, face: bool = False, saturation: float = np.inf, seed: int = 0
+    observations: Floats,
+    mask: Mask,
+    *,
+    face: bool = False,
+    saturation: float = np.inf,
+    method: str = "robust",
+    seed: int = 0,
 ) -> Lamps:
     """Find normals, albedo and lamps from photographs under distant lamps of unknown direction and brightness.
 
     1. Each photograph is divided by its ninth decile, about its lamp's brightness (`equalized`).
-    2. `I = L B'` with a rank of 3, shadows and highlights left out (`linear_factors`).
+    2. `I = L B'` with a rank of 3, shadows and highlights left out (`linear_factors`), and both factors refined
+       together (`refined`).
     3. The frame in which B is integrable is right up to a bas-relief transformation (`integrable_frame`).
     4. That is chosen by all cues there are, weighted by their standard errors: equal albedo of neighbours, highlights,
        lamps that can be made equally bright, the usual relief of things; for faces symmetry and a mean face too.
     5. Convex or concave: things bulge toward the camera, so the rim points outward.
+    6. The lamps being known, all pixels are solved under them by the method asked for.
 
     Parameters
     ----------
@@ -44,6 +53,8 @@ def unknown_lamps(
         True if the photographs show an upright face from the front that fills the mask's width.
     saturation
         From there on an observation is not used.
+    method
+        "robust" or "least_squares", of the last step.
     seed
         Of the searches' samples and starts.
 
@@ -62,17 +73,18 @@ def unknown_lamps(
     checked_inside(observations, mask)
     equal, brightness = equalized(observations)
     factors = linear_factors(equal, saturation / brightness[:, None])
-    frame = integrable_frame(factors.scaled, mask, seed)
-    lights, scaled = factors.moved(frame.matrix)
+    better = refined(equal, factors.lights, factors.scaled, factors.weights)
+    frame = integrable_frame(better.scaled, mask, seed)
+    lights, scaled = better.lights @ np.linalg.inv(frame.matrix), better.scaled @ frame.matrix.T
     lights, scaled, slant = bulging(lights, scaled, mask)
     cues = _cues(equal, lights, scaled, brightness, mask, face, seed)
     chosen = pooled(cues)
     relief = matrix_of(chosen.relief)
     lights, scaled = (lights @ np.linalg.inv(relief)) * brightness[:, None], scaled @ relief.T
     unit = np.median(np.linalg.norm(lights, axis=1))
-    lights, scaled = lights / unit, scaled * unit
-    doubt = _doubt(scaled, chosen.deviations)
-    found = judged(observations, lights, scaled, factors.weights)
+    lights = lights / unit
+    found = solved_under(observations, lights, method, saturation)
+    doubt = _doubt(found.scaled.astype(np.float64), chosen.deviations)
     confidence = np.hypot(found.confidence, doubt)
     ambiguity = _ambiguity(chosen, float(np.median(doubt)), slant, frame.gap)
     return Lamps(lights, Pixels(found.scaled, found.residual, confidence, found.used), ambiguity)
