@@ -177,6 +177,16 @@ def test_ties_go_to_who_was_enrolled_first() -> None:
     assert [candidate.name for candidate in answer.candidates[:2]] == ["anna", "ada"]
 
 
+def test_two_who_are_the_same_are_told_to_be_too_much_alike(gallery: hf.Gallery) -> None:
+    twins = gallery_of("surface")
+    twins.enroll("twin", PEOPLE["ada"])
+    photo = picture("ada", [0.3, 0.2, 1])
+    answer, single = twins.match(photo), gallery.match(photo)
+    assert (answer.name, single.name) == (None, "ada")
+    assert answer.reason == "the first two are too much alike to tell which of them it is"
+    assert "too much alike" in answer.explain().reason
+
+
 def test_a_saved_gallery_answers_the_same(tmp_path: Path) -> None:
     people = gallery_of("surface", NAMES[:4])
     people.remove("emmy")
