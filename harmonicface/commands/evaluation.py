@@ -14,6 +14,7 @@ from harmonicface.bench.console import print_table, progress
 from harmonicface.bench.contenders import EVERY_METHOD, METHODS
 from harmonicface.bench.crowds import ICT_ALBEDOS, SYNTHETIC, ict_crowd
 from harmonicface.bench.enrolment import ENROLMENTS
+from harmonicface.bench.published import explained
 from harmonicface.bench.report import results, write_report
 from harmonicface.bench.table import cost_table, enrolment_table, error_table, margin_table, published_table, yale_table
 from harmonicface.bench.yale_b import evaluate_yale_b
@@ -110,6 +111,8 @@ def _print_yale(result: YaleResult) -> None:
     if rows:
         size = "the same photographs" if published_size(result.people, result.n) else "other photographs than ours"
         print_table(f"Published beside ours, % with 95 % intervals ({size})", heads, rows)
+        for name, reason in explained(result.train, rows).items():
+            typer.echo(f"{name}: {reason}")
 
 
 def _methods(text: str | None, usual: Sequence[str]) -> Sequence[str]:
