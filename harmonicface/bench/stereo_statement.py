@@ -14,7 +14,7 @@ SURE = 10.0  # degrees of standard error
 UNKNOWNS = {"linear3": 3, "ambient4": 4, "harmonic9": 9}
 LIGHTS = {
     "linear3": "one distant lamp a photograph",
-    "ambient4": "one distant lamp a photograph, and light from everywhere",
+    "ambient4": "any distant light, to the first order of its harmonics",
     "harmonic9": "any distant light, to the second order of its harmonics",
 }
 FAMILIES = {
@@ -73,8 +73,9 @@ def determined(result: StereoResult, told: Circumstances) -> list[str]:
     found = [f"{lights} Model: {LIGHTS[result.model]}. {sentence(result.model_reason)}"]
     if finite.size:
         sure = (confidence <= SURE).mean()
+        member = "" if result.ambiguity.name == "none" else " within the family named below"
         found.append(
-            f"Normals: standard error {np.median(finite):.2g}° at the median, at most {SURE:.0f}° in {sure:.0%} of the"
+            f"Normals{member}: standard error {np.median(finite):.2g}° at the median, at most {SURE:.0f}° in {sure:.0%} of the"
             f" {_thousands(int(mask.sum()))} pixels. What the model takes for shape comes on top: gloss, cast shadows,"
             " light thrown back within the thing; on measured objects that was 1 to 13° at the mean."
         )

@@ -9,17 +9,18 @@ from harmonicface._validate import Floats
 from harmonicface.stereo.calibrated import HIGHEST_NOISE_GAIN, calibrated_stereo
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.least_squares import scaled_normals
+from harmonicface.stereo.robust import robust_normals
 
 FEWEST = 3  # distant lamps
 
 
 def solve(observations: Floats, lights: Floats, method: str, saturation: float) -> Pixels:
     """Solve (n, p) observations under distant lamps by the method asked for."""
-    return (
-        plain(observations, lights, saturation)
-        if method == "least_squares"
-        else matte(observations, lights, saturation)
-    )
+    if method == "least_squares":
+        return plain(observations, lights, saturation)
+    if method == "matte":
+        return matte(observations, lights, saturation)
+    return robust_normals(observations, lights, saturation)
 
 
 def plain(observations: Floats, lights: Floats, saturation: float) -> Pixels:

@@ -24,7 +24,7 @@ from harmonicface.stereo.unknown_lights import Found, find_lights
 from harmonicface.surfaces.surface import Surface
 
 Integration = Literal["poisson", "weighted", "bilateral", "none"]
-Method = Literal["robust", "least_squares"]
+Method = Literal["robust", "matte", "least_squares"]
 Progress = Callable[[str, int, int], None]
 
 Mask = NDArray[np.bool_]
@@ -62,7 +62,8 @@ def photometric_stereo(
     model
         "linear3", "ambient4" or "harmonic9" (see `StereoResult`); "auto" chooses for unknown lights.
     method
-        For known lamps: "robust" leaves shadows and highlights out, "least_squares" trusts everything (Woodham).
+        For known lamps: "robust" explains highlights and leaves shadows out (`robust_normals`), "matte" leaves shadows
+        out (`calibrated_stereo`), "least_squares" trusts everything that is not saturated (Woodham 1980).
     face
         True if the images show a face from the front: its symmetry and a mean face resolve what is ambiguous.
     intensities

@@ -28,6 +28,15 @@ def test_shadows_highlights_and_saturation_are_left_out() -> None:
     assert_allclose(colour_albedo(shown, SHADES, GREY), COLOURS, rtol=1e-5)
 
 
+def test_shadows_alone_still_tell_the_colour() -> None:
+    assert_allclose(colour_albedo(0.1 * SHADES[..., None] * COLOURS, SHADES, GREY), COLOURS, rtol=1e-5)
+
+
+def test_the_mean_of_colours_is_the_grey_albedo() -> None:
+    shown = RANDOM.uniform(0, 1, (6, 50, 3))
+    assert_allclose(colour_albedo(shown, SHADES, GREY).mean(axis=1), GREY, rtol=1e-5)
+
+
 def test_what_nothing_shows_is_grey() -> None:
     shown = np.full((6, 50, 3), np.inf)
     assert_allclose(colour_albedo(shown, SHADES, GREY), np.repeat(GREY[:, None], 3, axis=1), rtol=1e-6)
