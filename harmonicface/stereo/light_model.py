@@ -93,7 +93,7 @@ def choose_light_model(pixels: Floats, mask: Mask, noise: float | None = None) -
             reason = f"{size} numbers a light leave {residuals[name]:.2g}, the noise is {spread:.2g}"
             smaller = [f"{MODELS[other]} leave {residuals[other]:.2g}" for other in allowed[: allowed.index(name)]]
             return LightModel(name, ", ".join([reason, *smaller]), spread, residuals)
-    black = float((observations < BLACK * spread).mean())
+    black = float((np.abs(observations) < BLACK * spread).mean())
     if black > BLACK_SHARE:
         reason = f"{black:.0%} of the observations are black, as shadows of lamps are and those under a sky are not"
         return LightModel("linear3", reason, spread, residuals)
@@ -115,7 +115,7 @@ def photograph_noise(pixels: Floats, factors: Factors, mask: Mask) -> float:
     inside = mask[:, 1:-1] & mask[:, :-2] & mask[:, 2:]
     if not inside.any() or factors.right is None:
         return factors.residual(factors.rank)
-    used = min(factors.rank, max(len(pixels) - SPARE, 1))
+    used = min(factors.rank, max(len(pixels) // 2, 1))  # more would take too much of the noise with them
     spreads = []
     for photograph, amounts in zip(pixels, factors.left[:, :used], strict=True):
         grid[mask] = photograph - amounts @ factors.right[:used]

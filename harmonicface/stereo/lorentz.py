@@ -93,6 +93,8 @@ def integrable(cone: Floats, mask: Mask) -> Doubles:
     right = ((grid[:, 1:-1, 2:] - grid[:, 1:-1, :-2]) / 2)[:, inner]
     up = ((grid[:, :-2, 1:-1] - grid[:, 2:, 1:-1]) / 2)[:, inner]
     middle = grid[:, 1:-1, 1:-1][:, inner]
+    if not middle.any():
+        raise HarmonicFaceError("cone: expected coordinates of a surface, got zeros")
     weight = 1 / np.maximum((middle**2).sum(axis=0), 1e-12 * (middle**2).sum(axis=0).max())
     wedges = [
         np.stack([weight * (middle[i] * slope[j] - middle[j] * slope[i]) for i, j in PAIRS]) for slope in (up, right)
@@ -118,8 +120,8 @@ def _lorentz_rows(first: Doubles, second: Doubles) -> Doubles:
     for wedge in (first, second):
         left, sizes, _ = np.linalg.svd(wedge)
         planes.append(left[:, :2])
-        if sizes[0] == 0:
-            raise HarmonicFaceError("cone: expected coordinates of a surface, got some that no slopes explain")
+        if sizes[0] < 1e-12:
+            raise HarmonicFaceError("cone: expected coordinates of a surface, got some that slope one way only")
     left, _, _ = np.linalg.svd(planes[0].T @ planes[1])
     common = planes[0] @ left[:, 0]
     third_size = -(METRIC * common) @ common
@@ -131,8 +133,6 @@ def _lorentz_rows(first: Doubles, second: Doubles) -> Doubles:
         rows.append(row + ((METRIC * row) @ third) * third)
     lengths = [max(-(METRIC * row) @ row, 1e-12) for row in rows]
     scale = np.sqrt(np.mean(lengths))
-    if not np.isfinite(scale) or scale < 1e-9:
-        raise HarmonicFaceError("cone: expected coordinates of a surface, got some that no slopes explain")
     return np.stack([rows[0] / scale, rows[1] / scale, third])
 
 

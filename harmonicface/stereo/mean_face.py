@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
-from scipy.ndimage import distance_transform_edt, map_coordinates
+from scipy.ndimage import map_coordinates
 from scipy.optimize import minimize
 
 from harmonicface._validate import Floats
@@ -155,13 +155,18 @@ def _misfit(factors: Doubles, light: Doubles, normals: Doubles, known: Mask) -> 
 
 
 def _table() -> tuple[Doubles, Mask]:
-    """Return the relief in mm, mirrored, continued where there is none; and where there is."""
-    half = [line.split() for line in RELIEF.split("\n") if line]
-    rows = [[*row, *row[-2::-1]] for row in half]
-    known = np.array([[text != "." for text in row] for row in rows])
-    relief = np.array([[float(text) / 10 if text != "." else 0.0 for text in row] for row in rows])
-    nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    return relief[tuple(nearest)], known
+    """Return the relief in mm, mirrored, continued straight on where there is none; and where there is."""
+    rows, known = [], []
+    for line in RELIEF.strip().splitlines():
+        numbers = line.split()
+        outside = numbers.count(".")
+        heights = [float(number) / 10 for number in numbers[outside:]]
+        for _ in range(outside):
+            heights.insert(0, 2 * heights[0] - heights[1])
+        inside = [False] * outside + [True] * (len(numbers) - outside)
+        rows.append(heights + heights[-2::-1])
+        known.append(inside + inside[-2::-1])
+    return np.array(rows), np.array(known)
 
 
 def _finer() -> tuple[Doubles, Doubles, Doubles]:
@@ -177,9 +182,7 @@ def _finer() -> tuple[Doubles, Doubles, Doubles]:
 SLOPES = _finer()
 
 
-def _normals(
-    rows: Integers, columns: Integers, scale: float, column: float, row: float
-) -> tuple[Doubles, Mask]:
+def _normals(rows: Integers, columns: Integers, scale: float, column: float, row: float) -> tuple[Doubles, Mask]:
     """Return the mean face's normals at pixels, and where it is known."""
     across, up = (columns - column) * scale, (row - rows) * scale
     places = np.stack([(TOP - up) / STEP, (across - LEFT) / STEP]) * 4
