@@ -34,6 +34,7 @@ CLAY = 0.8
 FULL = 0.1  # of white: what is shown in full colour in differences
 WORST = 30.0  # degrees of standard error that are shown in full colour
 MARGIN = 0.06  # of the mask's size, around it
+MOST_BALLS = 12
 SHOWN = 6  # photographs beside their model
 
 
@@ -192,12 +193,12 @@ def lights_picture(result: StereoResult, names: Sequence[str]) -> bytes:
     if result.lights.shape[1] == 3:
         return _lamps(result.lights[kept], kept)
     ball = white_ball(96)
-    shown = kept[:12]
-    figure = Figure(figsize=(9, 1.1 * -(-len(shown) // 6) + 0.4), layout="constrained")
-    for place, index in enumerate(shown):
+    shown = kept[:MOST_BALLS]
+    pictures = [spread_out(np.maximum(model_of(ball, result.lights[index]), 0), ball.mask) for index in shown]
+    figure = Figure(figsize=(9, 1.3 * -(-len(shown) // 6) + 0.2), layout="constrained")
+    for place, (index, picture) in enumerate(zip(shown, pictures, strict=True)):
         axis = figure.add_subplot(-(-len(shown) // 6), 6, place + 1)
-        picture = spread_out(np.maximum(model_of(ball, result.lights[index]), 0), ball.mask)
-        display = to_display(picture)
+        display = to_display(picture, 1.15 * float(picture.max()) or 1.0)
         display[~ball.mask] = 1
         axis.imshow(display, cmap="gray", vmin=0, vmax=1)
         axis.set_title(str(names[index])[:16], fontsize=7, color=INK)

@@ -75,9 +75,9 @@ def determined(result: StereoResult, told: Circumstances) -> list[str]:
         sure = (confidence <= SURE).mean()
         member = "" if result.ambiguity.name == "none" else " within the family named below"
         found.append(
-            f"Normals{member}: standard error {np.median(finite):.2g}° at the median, at most {SURE:.0f}° in {sure:.0%} of the"
-            f" {_thousands(int(mask.sum()))} pixels. What the model takes for shape comes on top: gloss, cast shadows,"
-            " light thrown back within the thing; on measured objects that was 1 to 13° at the mean."
+            f"Normals{member}: standard error {np.median(finite):.2g}° at the median, at most {SURE:.0f}° in"
+            f" {sure:.0%} of the {_thousands(int(mask.sum()))} pixels. What the model takes for shape comes on top:"
+            " gloss, cast shadows, light thrown back within the thing; on measured objects 1 to 13° at the mean."
         )
     rms = float(np.sqrt(np.mean(result.residual[mask].astype(np.float64) ** 2)))
     found.append(

@@ -13,7 +13,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import order_of
 from harmonicface.stereo import known_lights
 from harmonicface.stereo.factors import leading_factors
-from harmonicface.stereo.general_unknown_light import GeneralLightStereo, general_light_stereo
+from harmonicface.stereo.general_unknown_light import general_light_stereo
 from harmonicface.stereo.in_blocks import Pixels, Stack, solved
 from harmonicface.stereo.light_model import choose_light_model
 from harmonicface.stereo.result import Ambiguity, Model
@@ -116,22 +116,18 @@ def _of_known_brightness(observations: Floats, stack: Stack, model: str, brightn
 
 
 def _under_general_light(observations: Floats, stack: Stack, model: str, reason: str, face: bool) -> Found:
-    """Return what is found under any light."""
+    """Return what is found under any light, and the harmonic coefficients that explain the photographs best then."""
     found = general_light_stereo(observations, stack.mask, model=model, face=face)
-    lights = found.lights * _common_factor(observations, found)
-    used = np.full(observations.shape[1], len(observations), np.int32)
-    pixels = Pixels(found.scaled, found.residual, found.confidence, used)
-    return Found(lights, pixels, found.model, reason, found.ambiguity, {})
-
-
-def _common_factor(observations: Floats, found: GeneralLightStereo) -> float:
-    """Return by what lights have to be multiplied so that the model is as bright as the photographs."""
     albedo = np.linalg.norm(found.scaled, axis=1)
     normals = np.where(albedo[:, None] > 0, found.scaled, [0.0, 0.0, 1.0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     row = Surface(normals[None], albedo[None])  # the pixels, one after the other
-    model = found.lights @ harmonic_images(row, order_of(found.lights.shape[1]))
-    return float((model * observations).sum() / (model**2).sum())
+    images = harmonic_images(row, order_of(found.lights.shape[1]))
+    lights = np.linalg.lstsq(images.T, observations.T.astype(np.float64), rcond=None)[0].T
+    residual = np.sqrt(np.mean((observations - lights @ images) ** 2, axis=0))
+    used = np.full(observations.shape[1], len(observations), np.int32)
+    pixels = Pixels(found.scaled, residual, found.confidence, used)
+    return Found(lights, pixels, found.model, reason, found.ambiguity, {})
 
 
 def _finer_linear(stack: Stack, found: Found, method: str, observations: Floats, tell: Tell) -> Pixels:
