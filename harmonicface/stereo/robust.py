@@ -113,6 +113,42 @@ def robust_normals(
     return Pixels(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
+def unexplained(observations: Floats, lights: Floats, kept: Mask, usable: Mask | None = None) -> NDArray[np.float32]:
+    """Return what the mixtures that explain the kept photographs leave of all, over each pixel's mean brightness.
+
+    Parameters
+    ----------
+    observations
+        (n, p) linear grey intensities.
+    lights
+        (n, 3) directions to the lamps times their brightness.
+    kept
+        (n,) booleans, the photographs that the mixtures are fitted to: at least 8.
+    usable
+        (n, p) booleans, false for observations that the mixtures are not fitted to.
+
+    Returns
+    -------
+    array
+        (n, p) float32.
+    """
+    brightness = np.linalg.norm(lights, axis=1)
+    directions = lights / brightness[:, None]
+    seen = observations.astype(np.float64) / brightness[:, None]
+    asked, mine = seen[kept], directions[kept]
+    allowed = np.ones(asked.shape, bool) if usable is None else usable[kept]
+    middle, bright = _ranks(asked, allowed)
+    problem = _Problem.of(asked, mine, bright.astype(np.float32))
+    starts = lit_least_squares(asked, mine, allowed)[0], _middle_normals(asked, mine, middle)
+    fit = problem.fit(problem.refined(problem.best_of([before_the_camera(b) for b in starts]))[0], problem.asked)
+    for _ in range(3):
+        problem.reweigh(fit)
+    rest: NDArray[np.float32] = (seen / problem.scale).astype(np.float32)
+    for picture, share in zip(shading(fit.normals, Lamps.of(directions)), fit.shares, strict=True):
+        rest -= picture * share.astype(np.float32)
+    return rest
+
+
 def _solve(seen: Floats, directions: Doubles, allowed: Mask, trust: Doubles) -> tuple[NDArray[Any], ...]:
     """Solve (n, p) observations under lamps of brightness 1: what `Pixels` holds."""
     exact = seen.astype(np.float64)
