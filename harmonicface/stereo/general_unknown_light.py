@@ -190,7 +190,7 @@ def _albedo(photographs: Doubles, normals: Doubles, radiance: Doubles, visibilit
     irradiance = radiance @ cell_shades(normals, visibility)
     power = np.einsum("np,np->p", irradiance, irradiance)
     albedo = np.einsum("np,np->p", photographs, irradiance) / np.maximum(power, 1e-12 * power.max())
-    return np.maximum(albedo, 1e-3 * albedo.mean())[:, None]
+    return np.asarray(np.maximum(albedo, 1e-3 * albedo.mean())[:, None])
 
 
 def _start(
@@ -202,20 +202,25 @@ def _start(
     if face:
         place = place_mean_face(factors, tone, mask)
         normals, known = mean_face_normals(mask, place)
-        linear = np.linalg.lstsq(factors[:, known].T, tone[known, None] * normals[known], rcond=None)[0]
+        linear = _fitted(factors[:, known], tone[known, None] * normals[known])
         expected = unit(factors.T @ linear)
-        search = replace(search, expected=expected, trust=FACE_TRUST * known)
+        search = replace(search, expected=expected, trust=np.asarray(FACE_TRUST * known))
         return search, linear, place.misfit
     linear = np.zeros((len(factors), 3))
     wanted = tone[:, None] * balloon_normals(mask)
-    linear[:4] = np.linalg.lstsq(factors[:4].T, wanted, rcond=None)[0]
+    linear[:4] = _fitted(factors[:4], wanted)
     if name == "ambient4" and not shadows:
         scaled = first_order_normals(factors, mask)
         bulging = scaled * ([1, 1, 1] if outward_slant(scaled, mask) > 0 else [-1, -1, 1])
-        exact = np.linalg.lstsq(factors.T, bulging, rcond=None)[0]
+        exact = _fitted(factors, bulging)
         if search.explain(exact).cost < search.explain(linear).cost:
             linear = exact
     return search, linear, None
+
+
+def _fitted(factors: Doubles, wanted: Doubles) -> Doubles:
+    """Return the map (k, 3) of factors (k, p) that comes nearest to vectors (p, 3)."""
+    return np.asarray(np.linalg.lstsq(factors.T, wanted, rcond=None)[0], np.float64)
 
 
 def reduced_mask(mask: Mask, side: int) -> Mask:

@@ -72,8 +72,8 @@ class LinearShape:
     evenness: float = 0.0
     expected: Doubles | None = None
     trust: Doubles | None = None
-    weights: Doubles = field(init=False)
-    albedo: Doubles = field(init=False)
+    weights: Floats = field(init=False)
+    albedo: Floats = field(init=False)
 
     def __post_init__(self) -> None:
         self.weights = np.ones_like(self.photographs)
@@ -110,9 +110,11 @@ class LinearShape:
             target, slope = self._linearized(linear, before)
             normal, gradient = slope.T @ slope, slope.T @ target
             diagonal = np.diag(normal) + 1e-6 * np.trace(normal)
-            after, step = before, np.zeros_like(linear)
+            after = before
+            step: Doubles = 0 * linear
             for _ in range(TRIALS):
-                step = -np.linalg.solve(normal + damping * np.diag(diagonal), gradient).reshape(linear.shape)
+                step = np.asarray(-np.linalg.solve(normal + damping * np.diag(diagonal), gradient), np.float64)
+                step = step.reshape(linear.shape)
                 after = self.explain(linear + step)
                 if after.cost < before.cost:
                     break

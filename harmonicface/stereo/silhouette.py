@@ -1,4 +1,4 @@
-"""Silhouette: the shape that a mask alone suggests, a balloon blown up behind it, as a start for what unknown light tells."""
+"""Silhouette: the shape that a mask alone suggests, a balloon, as a start under unknown light."""
 
 from __future__ import annotations
 

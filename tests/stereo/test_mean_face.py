@@ -17,7 +17,7 @@ MASK = np.ones((48, 48), bool)
 def factors_of(normals, albedo, seed=0):
     """Return nine factors of photographs under random light of second order, and the photographs' mean."""
     rng = np.random.default_rng(seed)
-    light = rng.normal(size=(15, 9)) + [4, 0, 1, 0, 0, 0, 0, 0, 0]
+    light = rng.normal([4, 0, 1, 0, 0, 0, 0, 0, 0], size=(15, 9))
     photographs = light @ (albedo * real_harmonics(normals, 2))
     return np.linalg.svd(photographs, full_matrices=False)[2][:9], photographs.mean(axis=0)
 

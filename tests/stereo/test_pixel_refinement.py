@@ -60,7 +60,7 @@ def test_no_round_leaves_the_start(scene):
 
 def test_flow_is_the_derivative_of_the_shade():
     rng = np.random.default_rng(2)
-    normals, radiance = unit(rng.normal(size=(20, 3)) + [0, 0, 1]), rng.uniform(0, 1, (3, 192))
+    normals, radiance = unit(rng.normal([0, 0, 1], size=(20, 3))), rng.uniform(0, 1, (3, 192))
     flow = cell_flow(normals, radiance)
     assert np.allclose(np.einsum("pni,pi->np", flow, normals), radiance @ cell_shades(normals), rtol=1e-5)
     moved = unit(normals + 1e-3 * rng.normal(size=normals.shape))
@@ -86,7 +86,7 @@ def test_a_wall_hides_half_of_what_a_pixel_beside_it_sees():
 
 
 def test_positive_lights_find_lights_and_albedo(scene):
-    normals, albedo, radiance, photographs = scene
+    normals, albedo, _, photographs = scene
     shades = cell_shades(normals)
     found = positive_lights(photographs, shades, np.full(300, 0.6), rounds=30)
     assert (found.radiance >= 0).all()

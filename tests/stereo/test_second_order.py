@@ -13,7 +13,7 @@ from harmonicface.stereo.second_order import _quadratic, _towards, _value, harmo
 
 def field(seed=0, count=800):
     rng = np.random.default_rng(seed)
-    normals = unit(rng.normal(size=(count, 3)) + [0, 0, 2])
+    normals = unit(rng.normal([0, 0, 2], size=(count, 3)))
     return normals, rng.uniform(0.4, 1, count), rng
 
 
