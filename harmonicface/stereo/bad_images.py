@@ -14,6 +14,7 @@ from harmonicface.stereo.robust import unexplained
 FEWEST = 12  # photographs: of fewer, a fit to most of them is no witness against the rest
 PIXELS = 400  # that are asked: more change the means by less than the photographs differ
 CEILING = 0.5  # of a pixel's brightness: what one pixel may contribute
+UNNOTICED = 0.04  # of a pixel's brightness: photographs that leave less differ by little that matters
 FIRST = 0.6  # of the photographs are believed at first
 FARTHER = 1.35  # times what is left of its neighbours, and
 DEVIATIONS = 5.0  # of the photographs that belong: a photograph that leaves more does not
@@ -55,12 +56,13 @@ def find_bad_images(
 ) -> BadImages:
     r"""Find photographs that do not belong: of another scene, displaced, blurred, spoilt in part, wrongly lit.
 
-    Six tenths of the photographs, those that least squares over all explain best, tell what each of a few hundred
+    Six tenths of the photographs, those that mixtures fitted to all explain best, tell what each of a few hundred
     pixels looks like under any lamp (`robust_normals`), and so what every photograph should show. A photograph's
     score is the logarithm of the mean absolute difference, in which no pixel counts for more than half of its
-    brightness. Lamps at the side leave more (shadows), so a parabola in the lamp's height that fits most scores is
-    subtracted. Photographs whose score lies five deviations of the believed ones and a factor of 1.35 above them, both
-    bounds wider for few photographs, are doubted, the others believed, and so on until nothing changes.
+    brightness, plus 4 % of it, so that small differences do not tell. Lamps at the side leave more (shadows), so a
+    parabola in the lamp's height that fits most scores is subtracted. Photographs whose score lies five deviations
+    of the believed ones and a factor of 1.35 above them, both bounds wider for few photographs, are doubted, the
+    others believed, and so on until nothing changes.
 
     Nothing is left out of fewer than twelve photographs, and nothing if more than four tenths are doubted: then it
     cannot be told which are the wrong ones.
@@ -127,12 +129,12 @@ def find_bad_images(
 def _left(seen: Floats, lights: Floats, kept: Mask, usable: Mask) -> Doubles:
     """Return what is left of each photograph on the average."""
     rest = np.minimum(np.abs(unexplained(seen, lights, kept, usable)), CEILING)
-    return np.asarray((rest * usable).sum(axis=1, dtype=np.float64) / np.maximum(usable.sum(axis=1), 1)) + 1e-3
+    return np.asarray((rest * usable).sum(axis=1, dtype=np.float64) / np.maximum(usable.sum(axis=1), 1))
 
 
 def _excess(left: Doubles, height: Doubles, kept: Mask) -> Doubles:
     """Return scores less a parabola in the lamps' height that fits most of the kept ones (least absolute values)."""
-    scores, basis = np.log(left), np.stack([np.ones_like(height), height, height**2], axis=1)
+    scores, basis = np.log(left + UNNOTICED), np.stack([np.ones_like(height), height, height**2], axis=1)
     weights = kept.astype(np.float64)
     rest = scores
     for _ in range(20):

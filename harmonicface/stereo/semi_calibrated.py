@@ -150,12 +150,24 @@ def _refined(seen: Doubles, lamps: Doubles, trusted: Mask, values: Doubles, leve
         values = following
         if change < SETTLED:
             break
-    noise = np.einsum("np,np,np->n", weights, rest, rest)
-    square = np.einsum("np,np,np->n", weights, predicted, predicted)
-    freedom = np.maximum(weights.sum(axis=1) - 1, 1)
-    error = np.sqrt(noise / freedom / np.maximum(square, 1e-30)) / values
+    error = _error(values, lamps, predicted, rest, weights)
     whole = values * level
     return Brightness(whole / np.median(whole), error)
+
+
+def _error(values: Doubles, lamps: Doubles, predicted: Doubles, rest: Doubles, weights: Doubles) -> Doubles:
+    """Return relative standard errors of the brightness, the pixels free to follow it, their common factor fixed."""
+    bright = values[:, None] * lamps
+    normal = np.einsum("np,ni,nj->pij", weights, bright, bright, optimize=True)
+    normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3) + 1e-30 * np.eye(3)
+    mixed = np.einsum("np,ni->pin", weights * predicted, bright)
+    information = np.diag(np.einsum("np,np,np->n", weights, predicted, predicted))
+    information -= np.einsum("pin,pim->nm", mixed, np.linalg.solve(normal, mixed), optimize=True)
+    freedom = max(weights.sum() - 3 * weights.shape[1] - len(values), 1.0)
+    noise = np.einsum("np,np,np->", weights, rest, rest) / freedom
+    relative = information * np.outer(values, values)
+    relative += np.trace(relative) / len(values)  # the same factor for all is no error
+    return np.asarray(np.sqrt(noise * np.maximum(np.diag(np.linalg.pinv(relative, hermitian=True)), 0)))
 
 
 def _median(size: Doubles, chosen: Mask) -> Doubles:
