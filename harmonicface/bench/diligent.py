@@ -14,7 +14,7 @@ from harmonicface._validate import Floats
 from harmonicface.datasets.diligent import DiligentObject, load_diligent
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.bad_images import find_bad_images
-from harmonicface.stereo.least_squares import scaled_normals
+from harmonicface.stereo.least_squares import plain_least_squares
 from harmonicface.stereo.robust import robust_normals
 from harmonicface.stereo.semi_calibrated import semi_calibrated
 from harmonicface.stereo.unknown_directions import unknown_directions
@@ -80,7 +80,7 @@ class _Case:
 
 def _least_squares(case: _Case) -> Floats:
     """Woodham: all photographs, all pixels, nothing left out."""
-    return scaled_normals(case.object.grey(), case.object.directions)[0]
+    return plain_least_squares(case.object.grey(), case.object.directions)
 
 
 def _robust(case: _Case) -> Floats:

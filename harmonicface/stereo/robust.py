@@ -322,7 +322,9 @@ class _Problem:
         together = np.einsum("np,np->p", rest, self.near @ rest)
         alone = np.einsum("np,np->p", rest, rest)
         alike = np.maximum(together / np.where(alone > 0, alone, 1.0), 1)
-        return np.asarray(np.degrees(np.arctan(np.sqrt(np.where(known, noise * alike * apart, np.inf)))))
+        error = np.full(len(count), np.inf)
+        error[known] = np.degrees(np.arctan(np.sqrt((noise * alike * apart)[known])))
+        return error
 
     def _rest(self, pictures: Floats, shares: Doubles) -> NDArray[np.float32]:
         """Return what a mixture leaves of the observations."""
