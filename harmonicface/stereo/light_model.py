@@ -15,8 +15,8 @@ from harmonicface.stereo.result import Model
 
 MODELS: dict[Model, int] = {"linear3": 3, "ambient4": 4, "harmonic9": 9}
 EXPLAINED = 1.3  # times the noise: a residual that is noise, and a little more
-BLACK = 3.0  # standard deviations of the noise: what is darker has no light
-BLACK_SHARE = 0.1  # of the observations: shadows of lamps are black, those under a sky are not
+BLACK = 0.02  # of a photograph's white, its 99th percentile: what is darker has no light
+BLACK_SHARE = 0.03  # of the observations: shadows of lamps are black (6 to 20 %), those under a sky are not (below 1 %)
 MOST_FACTORS = 12  # what is beyond them is noise or sharp shadows
 SPARE = 3  # photographs more than a model has numbers: fewer can be explained by it whatever they show
 
@@ -51,7 +51,7 @@ def choose_light_model(pixels: Floats, mask: Mask, noise: float | None = None) -
     The factors of n photographs of a matte surface are 3 under distant lamps without shadows (Shashua 1997), 4 with
     ambient light or under any light to first order, 9 to second order (Basri & Jacobs 2003). The residual of the best
     approximation by so many factors is compared with the noise, which shows where neighbouring pixels differ more
-    than any surface does. Where none explains them, as with cast shadows, it is lamps if a tenth of all observations
+    than any surface does. Where none explains them, as with cast shadows, it is lamps if 3 % of all observations
     are black, otherwise the largest model for which there are photographs.
 
     Parameters
@@ -93,7 +93,8 @@ def choose_light_model(pixels: Floats, mask: Mask, noise: float | None = None) -
             reason = f"{size} numbers a light leave {residuals[name]:.2g}, the noise is {spread:.2g}"
             smaller = [f"{MODELS[other]} leave {residuals[other]:.2g}" for other in allowed[: allowed.index(name)]]
             return LightModel(name, ", ".join([reason, *smaller]), spread, residuals)
-    black = float((np.abs(observations) < BLACK * spread).mean())
+    white = np.percentile(np.abs(observations), 99, axis=1, keepdims=True)
+    black = float((np.abs(observations) < BLACK * white).mean())
     if black > BLACK_SHARE:
         reason = f"{black:.0%} of the observations are black, as shadows of lamps are and those under a sky are not"
         return LightModel("linear3", reason, spread, residuals)

@@ -24,7 +24,10 @@ def photographs(order, count=20, noise=NOISE, lamps=False):
         lit = np.maximum(directions / np.linalg.norm(directions, axis=1, keepdims=True) @ normals.T, 0)
     else:
         harmonics = real_harmonics(normals, 2)[[3, 1, 2]] if order is None else real_harmonics(normals, order)
-        lit = rng.normal(size=(count, len(harmonics))) @ harmonics
+        light = rng.normal(size=(count, len(harmonics)))
+        if order is not None:
+            light[:, 0] += 15  # a sky: nothing is black
+        lit = light @ harmonics
     return lit + noise * rng.normal(size=lit.shape)
 
 
