@@ -11,7 +11,8 @@ from harmonicface.datasets.diligent import load_diligent
 from harmonicface.lighting.lights import directional
 from harmonicface.reflectance.materials import Material, Microfacet, Phong
 from harmonicface.stereo.calibrated import lit_least_squares
-from harmonicface.stereo.robust import FEWEST, robust_normals
+from harmonicface.stereo.mixtures import FEWEST
+from harmonicface.stereo.robust import robust_normals
 from harmonicface.surfaces.surface import Surface
 
 
