@@ -9,6 +9,7 @@ from scipy.optimize import least_squares
 Doubles = NDArray[np.float64]
 
 SPREAD = 0.03  # of lamps' brightness about the one that they should have: the scale of the loss
+LEAST_MISS = 0.003  # of brightness: what lamps are never closer than
 STARTS = (-1.5, -0.75, 0.0, 0.75, 1.5)  # logarithms of the stretch
 
 
@@ -58,8 +59,10 @@ def relief_of_equal_lamps(lights: Doubles) -> tuple[Doubles, Doubles]:
     ]
     best = min(fits, key=lambda fit: fit.cost)
     rest = misses(best.x)
-    variance = (1.4826 * np.median(np.abs(rest))) ** 2 * len(lights) / max(len(lights) - 4, 1)
-    covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
+    miss = max(1.4826 * float(np.median(np.abs(rest))), LEAST_MISS)
+    matrix = best.jac.T @ best.jac
+    open_directions = 1e-6 * np.trace(matrix) * np.eye(4)  # lamps on a cone leave one: its error becomes huge
+    covariance = miss**2 * len(lights) / max(len(lights) - 4, 1) * np.linalg.inv(matrix + open_directions)
     return frame_of(best.x), np.sqrt(np.diag(covariance)[:3])
 
 

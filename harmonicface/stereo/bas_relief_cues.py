@@ -21,6 +21,7 @@ ALBEDO_SCALE = 0.03  # of the Cauchy loss on logarithms of albedo: beyond lies t
 PAIRS, REGIONS = 8000, 5
 ALBEDO_BIAS, ALBEDO_ERROR = 0.08, (0.08, 0.08, 0.12)  # a coat brightens what faces the camera: relief comes out deep
 OBSERVATIONS, BRIGHTEST = 30_000, 0.01  # of them those that stand out most from the matte model
+FAINT = 0.03  # of the matte intensity: what exceeds it by less is noise, or a shadow's edge
 GLOSS_BIAS, GLOSS_ERROR = -0.07, (0.05, 0.05, 0.08)  # a lobe is not centred on the bisector: relief comes out flat
 SHARP, DULLING = -3.5, 1.5  # a score from which highlights are clear, and how fast their error grows above it
 EQUAL = 0.1  # of brightness: lamps that can be made as equal as that are equal
@@ -165,6 +166,8 @@ def highlights(observations: Floats, lights: Doubles, scaled: Doubles, start: Do
         smaller = 1 - np.searchsorted(np.sort(cosines), brightest) / len(cosines)
         return float(np.log(smaller).mean()) + 1
 
+    if np.quantile(excess, 1 - BRIGHTEST) < FAINT * np.median(matte[lit]):
+        return Cue("highlights", start, np.full(3, 1e3))
     best = _least(score, start, (0.0,))
     doubt = float(np.exp(min(DULLING * max(score(best) - SHARP, 0.0), 20.0)))
     return Cue("highlights", best - np.array([0, 0, GLOSS_BIAS]), doubt * np.array(GLOSS_ERROR))

@@ -16,6 +16,7 @@ SAMPLE = 5000  # pixels
 TURNS, FINALISTS = 300, 8  # rotations that are tried, and those of them that are refined
 LINEAR_STARTS = 40
 ROUNDS = 40
+FLATTEST = 0.01  # sine between the rows of the cofactor matrix: below, the frame would make anything a plane
 
 _GENERATORS = np.array(
     [[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0]]], float
@@ -124,14 +125,22 @@ def integrable_frame(scaled: Doubles, mask: Mask, seed: int = 0) -> Frame:
     """
     frame = _whitening(scaled)
     random = np.random.default_rng(seed)
-    cost, gap = 0.0, 0.0
+    cost, gap = 0.0, np.inf
     for starts in (LINEAR_STARTS, 6, 6):
         terms, loss_scale = _sampled(curl_terms(scaled @ frame.T, mask), seed)
         form, cost = _least_form(terms, loss_scale, random.normal(size=(starts, 6)))
         basis = np.linalg.svd(form[None])[2][1:]
-        gap = _gap(terms @ basis.T, terms @ form, loss_scale)
+        gap = min(gap, _gap(terms @ basis.T, terms @ form, loss_scale))
+        if _sine(form[:3], form[3:]) < FLATTEST:
+            return Frame(_upright(frame, scaled), cost, 0.0)
         frame = _upright(_of_cofactors(form) @ frame, scaled)
     return Frame(frame, cost, gap)
+
+
+def _sine(first: Doubles, second: Doubles) -> float:
+    """Return the sine of the angle between two vectors, 0 where one of them vanishes."""
+    lengths = np.linalg.norm(first) * np.linalg.norm(second)
+    return float(np.linalg.norm(np.cross(first, second)) / lengths) if lengths > 1e-12 else 0.0
 
 
 def _least_form(terms: Doubles, loss_scale: float, starts: Doubles) -> tuple[Doubles, float]:

@@ -9,7 +9,7 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.bas_relief import SPREAD, unit_frame
 from harmonicface.stereo.bas_relief_cues import equal_albedo, highlights, known_lamps, matrix_of, pooled
-from harmonicface.stereo.hayakawa import linear_factors
+from harmonicface.stereo.hayakawa import lights_of, linear_factors, middle_ranks
 from harmonicface.stereo.integrability import integrable_frame, integrable_rotation
 from harmonicface.stereo.lamps import Lamps, bulging, of_rim, solved_under
 from harmonicface.stereo.matte_refinement import Refined, refined
@@ -19,6 +19,7 @@ Mask = NDArray[np.bool_]
 
 LEAST_LAMPS = 6  # a symmetric 3 x 3 matrix has six unknowns
 WORSE, SLACK = 2.0, 10.0  # the misfit of lamps beyond which the shape is taken to leave its frame open
+SAMPLE, ROUNDS = 6000, 8  # pixels and steps of the last refinement of the lamps
 LEAST_INNER = 30  # pixels, several for each of the nine unknowns of a frame
 
 
@@ -34,7 +35,9 @@ def unknown_directions(
        and highlights add what they can (`pooled`). Where the shape leaves its
        frame open, the other way round: lamps of length 1 leave a rotation, and integrability determines that.
     3. Convex or concave: things bulge toward the camera, so the rim points outward.
-    4. The lamps being known, all pixels are solved under them by the method asked for.
+    4. Normals and albedo of some pixels are freed from gloss (`robust_normals`), and the lamps refined under them:
+       `min sum w log(1 + (I - l . b)^2 / s^2)` over unit l, by reweighting.
+    5. The lamps being known, all pixels are solved under them by the method asked for.
 
     Parameters
     ----------
@@ -70,6 +73,8 @@ def unknown_directions(
     if other and _inequality(lights) > WORSE * _inequality(other[0]) + SLACK:  # three more unknowns fit a little better
         lights, slant = other
     lights = lights / np.linalg.norm(lights, axis=1)[:, None]
+    if method == "robust":
+        lights = _under_their_normals(observations, lights, saturation)
     return Lamps(lights, solved_under(observations, lights, method, saturation), of_rim(slant))
 
 
@@ -104,6 +109,20 @@ def _lamps_first(start: Refined, mask: Mask, seed: int) -> tuple[Doubles, float]
     turn = integrable_rotation(scaled, mask, seed).matrix
     lights, _, slant = bulging(lights @ turn.T, scaled @ turn.T, mask)
     return lights, slant
+
+
+def _under_their_normals(observations: Floats, lights: Doubles, saturation: float) -> Doubles:
+    """Return the unit lamps that explain best, under a Cauchy loss, what normals freed from gloss predict."""
+    chosen = np.linspace(0, observations.shape[1] - 1, min(SAMPLE, observations.shape[1])).astype(int)
+    seen = observations[:, chosen].astype(np.float64)
+    normals = solved_under(seen, lights, "robust", saturation).scaled.astype(np.float64)
+    weights = middle_ranks(seen) * (seen < saturation)
+    for _ in range(ROUNDS):
+        rest = seen - lights @ normals.T
+        scale = max(1.4826 * float(np.median(np.abs(rest[weights > 0]))), 1e-6 * float(seen.max()))
+        lights = lights_of(seen, normals, weights / (1 + (rest / scale) ** 2))
+        lights = lights / np.linalg.norm(lights, axis=1)[:, None]
+    return lights
 
 
 def _inequality(lights: Doubles) -> float:
