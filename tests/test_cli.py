@@ -173,6 +173,17 @@ def test_enrolling_from_photographs(run: Run, folder: Path) -> None:
     assert (found["name"], found["light"]) == ("ada", None)
 
 
+def test_enrolling_from_photographs_under_known_lamps(run: Run, folder: Path) -> None:
+    gallery, lamps = folder / "lit.gallery", folder / "lamps.txt"
+    for name in ("ada", "emmy"):
+        towards = [(f"{name}{number}.png", lamp.directions[0]) for number, lamp in enumerate(LAMPS)]
+        lamps.write_text("".join(f"{photo} {x:.6f} {y:.6f} {z:.6f}\n" for photo, (x, y, z) in reversed(towards)))
+        photographs = [folder / photo for photo, _ in towards]
+        assert run("enroll", gallery, name, *photographs, "--lights", lamps).code == 0
+    found = json.loads(run("match", gallery, folder / "ada0.png", "--json").out)["matches"][0]
+    assert (found["name"], found["source"]) == ("ada", "lit photographs")
+
+
 def test_enrolling_a_mesh_at_a_size(run: Run, folder: Path) -> None:
     assert run("enroll", folder / "meshes.gallery", "wedge", folder / "wedge.obj", "--size", 28).code == 0
     assert hf.Gallery.open(folder / "meshes.gallery").mask.shape == (28, 28)
@@ -319,6 +330,7 @@ def test_images_where_there_is_no_folder(
             ["people.gallery", "new", "wedge.obj", "--intrinsics", "1,2"],
             "intrinsics: expected 4 comma-separated numbers, got '1,2'",
         ),
+        (["people.gallery", "new", "ada.npz", "--lights", "none.txt"], "none.txt"),
         ([".", "new", "ada.npz"], "expected a file at ., got a folder"),
         (["small.png", "new", "ada.npz"], "small.png: expected a whole file of named arrays"),
         (["none/people.gallery", "new", "ada.npz"], "expected a folder none, got none: No such file or directory"),

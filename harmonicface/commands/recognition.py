@@ -25,7 +25,7 @@ from harmonicface.commands.options import (
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
-from harmonicface.gallery.sources import read_face, read_mask, read_source
+from harmonicface.gallery.sources import read_face, read_lamps, read_mask, read_source
 from harmonicface.io.files import alone_in
 from harmonicface.io.images import read_image
 from harmonicface.recognition.detection import FaceBox
@@ -39,10 +39,17 @@ def enroll(
     source: Annotated[
         list[Path],
         typer.Argument(
-            help="A mesh, points, a saved Surface, or at least three photographs under different lights.",
+            help="A mesh, points, a saved Surface, or photographs, one or several.",
             show_default=False,
         ),
     ],
+    lights: Annotated[
+        Path | None,
+        typer.Option(
+            help="Where the light of each of three or more photographs stood: a line x y z each.",
+            show_default="(unknown)",
+        ),
+    ] = None,
     mask: Annotated[
         Path | None, typer.Option(help="For a new gallery: a picture, white where photographs are compared.")
     ] = None,
@@ -63,7 +70,8 @@ def enroll(
     with alone_in(gallery.parent):
         people = _gallery(gallery, mask)
         cropped = _size_of_crops(people, size) if detect else None
-        people.enroll(name, read_source(source, looks, transfer, usual_size=64, cropped=cropped))
+        seen = read_source(source, looks, transfer, usual_size=64, cropped=cropped)
+        people.enroll(name, seen, None if lights is None else read_lamps(lights, source))
         people.save(gallery)
     typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
 

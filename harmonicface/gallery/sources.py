@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.colour import luminance
 from harmonicface.io.images import read_image
+from harmonicface.io.lights_file import read_lights_file
 from harmonicface.io.meshes import ENDINGS
 from harmonicface.io.point_clouds import is_point_cloud
 from harmonicface.recognition.detection import FaceBox, crop_face, detect_faces
@@ -92,6 +93,21 @@ def read_source(
             expected = f"the size of {paths[0]}, {photos[0].shape[:2]}"
             raise HarmonicFaceError(f"{path}: expected {expected}, got {photo.shape[:2]}")
     return np.stack(photos)
+
+
+def read_lamps(path: Path, photographs: Sequence[Path]) -> NDArray[np.float64]:
+    """Return the directions to the lamps of photographs times their intensities, (n, 3), from a lights file.
+
+    Raises
+    ------
+    HarmonicFaceError
+        What `read_lights_file` refuses, lines for other photographs, coefficients or colours instead of lamps.
+    """
+    read = read_lights_file(path).of([photo.name for photo in photographs], str(path))
+    if read.directions is None or (read.intensities is not None and read.intensities.ndim > 1):
+        got = "harmonic coefficients" if read.directions is None else "an intensity for each colour"
+        raise HarmonicFaceError(f"{path}: expected a direction and at most one intensity a photograph, got {got}")
+    return read.directions if read.intensities is None else read.directions * read.intensities[:, None]
 
 
 def read_face(path: Path, transfer: str | None, size: tuple[int, int]) -> tuple[NDArray[np.float32], FaceBox]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import harmonicface as hf
-from harmonicface.gallery.sources import MeshView, read_mask, read_source, read_surface
+from harmonicface.gallery.sources import MeshView, read_lamps, read_mask, read_source, read_surface
 
 PHOTOS = np.random.default_rng(0).uniform(0, 1, (3, 8, 10)).astype(np.float32)
 
@@ -82,3 +82,22 @@ def test_a_mask_is_what_is_lighter_than_half(tmp_path: Path) -> None:
     hf.write_image(tmp_path / "colour.png", np.repeat(picture[..., None], 3, axis=2), transfer="linear")
     for name in ("grey.png", "colour.png"):
         assert read_mask(tmp_path / name).tolist() == [[False, False], [True, True]]
+
+
+def test_lamps_are_directions_times_intensities_by_name(tmp_path: Path) -> None:
+    file = tmp_path / "lamps.txt"
+    file.write_text("b.png 0 0 1 2\na.png 0.6 0 0.8 0.5\n")
+    assert np.allclose(read_lamps(file, [tmp_path / "a.png", tmp_path / "b.png"]), [[0.3, 0, 0.4], [0, 0, 2]])
+    file.write_text("0 0 1\n1 0 0\n")
+    assert np.array_equal(read_lamps(file, [tmp_path / "a.png", tmp_path / "b.png"]), [[0, 0, 1], [1, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    ("line", "got"),
+    [("0 0 1 1 0.9 0.8", "an intensity for each colour"), ("3 0 0 0 0 0 0 0 0", "harmonic coefficients")],
+)
+def test_lights_that_are_no_lamps(tmp_path: Path, line: str, got: str) -> None:
+    file = tmp_path / "lamps.txt"
+    file.write_text(line)
+    with pytest.raises(hf.HarmonicFaceError, match=f"expected a direction and at most one intensity.*got {got}"):
+        read_lamps(file, [tmp_path / "a.png"])
