@@ -1,8 +1,8 @@
 """How wrong is recognition as photographs get worse, and how long does it take? Beside OpenCV's `cv2.face`, Tan-Triggs.
 
 Run it as `python benchmarks/recognition.py [--quick] [--json FILE] [--out DIR]`; DIR gets a page with the curves.
-Settings of "default" were chosen on people 1 to 5; notes tell the error on the others alone. Occlusion has a benchmark
-of its own.
+Settings of "default" were chosen on people 1 to 5; notes tell the error on the others alone. `occlusion.py` has more
+about hidden faces.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harmonicface.bench.console import progress
-from harmonicface.bench.curves import CurvePoint, error_curves
+from harmonicface.bench.curves import CurvePoint, error_curves, lost_points
 from harmonicface.bench.curves_page import write_curves_page
 from harmonicface.bench.measure import Record, print_records, write_records
 from harmonicface.bench.ordeals import SIZE
@@ -78,11 +78,13 @@ def main() -> None:
         return
     faces = load_yale_b(DATA, QUICK_PEOPLE if options.quick else None)
     with progress() as tell:
-        points = error_curves(faces, queries=6 if options.quick else 12, every=3 if options.quick else 1, progress=tell)
+        points = error_curves(faces, queries=6 if options.quick else 8, every=3 if options.quick else 1, progress=tell)
         methods, queries = (QUICK_METHODS, 4) if options.quick else (YALE_METHODS, 12)
         timings = query_times(faces, methods, queries=queries, progress=tell)
     found = curve_records(points, len(faces)) + timing_records(timings)
     print_records(found)
+    for ours, best in lost_points(points, OURS):
+        print(f"{ours.ordeal} {ours.level:g}: {best.method} {best.error}, {OURS} {ours.error}")
     if options.json:
         write_records(options.json, found)
     if options.out:

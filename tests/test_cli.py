@@ -450,6 +450,13 @@ def test_evaluating(run: Run, yale: Path) -> None:
     assert [row[:3] for row in rows if row and row[0] == "harmonic9"] == [["harmonic9", "0.00", "0.00"]]
 
 
+def test_evaluating_all_methods(run: Run, yale: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("harmonicface.commands.evaluation.YALE_METHODS", ("linear3", "correlation"))
+    for options in (("--methods", "all"), ()):
+        found = json.loads(run("evaluate", "yale-b", yale, *options, "--json").out)
+        assert list(found["methods"]) == ["linear3", "correlation"]
+
+
 def test_evaluating_as_one_json_object(run: Run, yale: Path) -> None:
     answer = run("evaluate", "yale-b", yale, "--people", "1-2", "--methods", "harmonic9", "--json")
     assert (answer.code, answer.out.count("\n")) == (0, 1)

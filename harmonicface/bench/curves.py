@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,11 +112,18 @@ def error_curves(
     asked = _questions(faces, queries)
     everybody = _learned(faces, None)
     contenders = {name: _enrolled(name, everybody) for name in methods}
-    points = []
+    calm = [reduced_photo(question.photo) for question in asked]
+    still = {
+        name: _point("", 0, name, method, asked, calm) for name, method in contenders.items() if method is not None
+    }
+    points: list[CurvePoint] = []
     for ordeal in ORDEALS:
         levels = chosen_levels(ordeal, every)
         for done, level in enumerate(levels):
             tell(ordeal.name, done, len(levels))
+            if level == ordeal.still:  # the same photographs for every ordeal
+                points += [replace(point, ordeal=ordeal.name, level=level) for point in still.values()]
+                continue
             photos = [ordeal.apply(q.photo, level, (q.number, q.place)) for q in asked]
             for name, method in contenders.items():
                 points += [] if method is None else [_point(ordeal.name, level, name, method, asked, photos)]
@@ -137,6 +144,24 @@ def chosen_levels(ordeal: Ordeal, every: int) -> list[float]:
         for place, level in enumerate(ordeal.levels)
         if place % every == 0 or level == ordeal.still or place == len(ordeal.levels) - 1
     ]
+
+
+def lost_points(points: Sequence[CurvePoint], method: str) -> list[tuple[CurvePoint, CurvePoint]]:
+    """Return where another method gives fewer photographs to the wrong person: ours, and the best of the others.
+
+    Examples
+    --------
+    >>> ours = CurvePoint("blur", 1, "default", 2, 9, 0, 0, 1.0)
+    >>> other = CurvePoint("blur", 1, "lbph", 1, 9, 0, 0, 1.0)
+    >>> [best.method for _, best in lost_points([ours, other], "default")]
+    ['lbph']
+    """
+    found = []
+    for ours in (point for point in points if point.method == method):
+        here = [point for point in points if (point.ordeal, point.level) == (ours.ordeal, ours.level)]
+        best = min(here, key=lambda point: point.wrong)
+        found += [(ours, best)] if best.wrong < ours.wrong else []
+    return found
 
 
 def spread_lights(lights: NDArray[np.float64]) -> list[int]:

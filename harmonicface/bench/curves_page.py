@@ -10,7 +10,7 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harmonicface.bench.curves import CurvePoint
+from harmonicface.bench.curves import CurvePoint, lost_points
 from harmonicface.bench.measure import machine
 from harmonicface.bench.ordeals import ENROLMENT, ORDEALS, Ordeal
 from harmonicface.bench.page import image, page, table
@@ -43,6 +43,7 @@ def write_curves_page(
         "queries": max(point.asked for point in points),
         "unseen": max(point.asked_unseen for point in points),
         "curves": image(curves_picture(points), "error against what happens to a photograph"),
+        "lost": html.escape(_lost(points)),
         "tables": "".join(_table(ordeal, points) for ordeal in (*ORDEALS, ENROLMENT)),
         "gallery": timings[0].people if timings else 0,
         "timings": table(*timing_table(timings), OURS),
@@ -110,7 +111,7 @@ def _draw(axis: Axes, ordeal: Ordeal, points: Sequence[CurvePoint]) -> None:
         if ours:
             low, high = [100 * point.error.low for point in own], [100 * point.error.high for point in own]
             axis.fill_between(places, low, high, color=colour, alpha=0.12, linewidth=0)
-    axis.set_xticks(range(len(levels)), [_level(ordeal, level) for level in levels])
+    axis.set_xticks(range(len(levels)), [ordeal.spell(level) for level in levels])
     axis.set_ylim(-2, 102)
     axis.set_title(f"{ordeal.name}, {ordeal.unit}", fontsize=9.5, color=INK, loc="left")
     axis.tick_params(labelsize=8, colors=INK)
@@ -128,8 +129,23 @@ def _table(ordeal: Ordeal, points: Sequence[CurvePoint]) -> str:
     for method in dict.fromkeys(point.method for point in own):
         found = {point.level: point for point in own if point.method == method}
         rows.append([method, *(_cell(found.get(level)) for level in levels)])
-    heads = [f"{ordeal.name}, {ordeal.unit}", *(_level(ordeal, level) for level in levels)]
+    heads = [f"{ordeal.name}, {ordeal.unit}", *(ordeal.spell(level) for level in levels)]
     return table(heads, rows, OURS) + "<p></p>"
+
+
+def _lost(points: Sequence[CurvePoint]) -> str:
+    """Say where another method is better than ours."""
+    units = {ordeal.name: ordeal for ordeal in (*ORDEALS, ENROLMENT)}
+    places = [
+        f"{ours.ordeal} {units[ours.ordeal].spell(ours.level)} ({best.method} {100 * best.error.value:.1f} % against "
+        f"{100 * ours.error.value:.1f} %)"
+        for ours, best in lost_points(points, OURS)
+    ]
+    return (
+        f"Another method has fewer errors than {OURS} at " + "; ".join(places) + "."
+        if places
+        else (f"Nowhere has another method fewer errors than {OURS}.")
+    )
 
 
 def _cell(point: CurvePoint | None) -> str:
@@ -137,8 +153,3 @@ def _cell(point: CurvePoint | None) -> str:
         return "-"
     unseen = point.error_unseen
     return f"{100 * point.error.value:.1f}" + ("" if unseen is None else f" ({100 * unseen.value:.1f})")
-
-
-def _level(ordeal: Ordeal, level: float) -> str:
-    """Spell a level; that of JPEG at which nothing happens is no quality."""
-    return "none" if ordeal.name == "JPEG" and level == ordeal.still else f"{level:g}"

@@ -9,9 +9,11 @@ import cv2
 import numpy as np
 
 from harmonicface.bench.degradation import Picture, at_resolution, blurred, compressed, moved, noisy, with_gamma
+from harmonicface.bench.occlusion import behind_block, behind_glasses
 
 SIZE = (96, 84)  # height and width at which photographs are asked for
 SHRINK = 2  # from the data set's size
+YALE_EYES = (0.24, 0.21, 0.78)  # row of the eyes and columns of both, as parts of a photograph of Yale B
 
 Spoil = Callable[[Picture, float, np.random.Generator], Picture]
 
@@ -32,6 +34,8 @@ class Ordeal:
         (photograph at the data set's size, level, generator) -> the same size.
     still
         The level at which nothing happens.
+    words
+        What levels are called, where their numbers say little.
     """
 
     name: str
@@ -39,6 +43,11 @@ class Ordeal:
     levels: tuple[float, ...]
     spoil: Spoil
     still: float
+    words: tuple[str, ...] = ()
+
+    def spell(self, level: float) -> str:
+        """Return what a level is called."""
+        return self.words[self.levels.index(level)] if self.words else f"{level:g}"
 
     def apply(self, photo: Picture, level: float, seed: tuple[int, ...]) -> Picture:
         """Return a photograph of the data set, spoiled, at the size at which it is asked for."""
@@ -63,8 +72,20 @@ def _shift(photo: Picture, pixels: float, rng: np.random.Generator) -> Picture:
     return moved(photo, SHRINK * pixels * np.cos(around), SHRINK * pixels * np.sin(around))
 
 
+def _block(photo: Picture, percent: float, rng: np.random.Generator) -> Picture:
+    """Hold something before it."""
+    return np.clip(behind_block(photo, percent / 100, rng), 0, 1)
+
+
+def _glasses(photo: Picture, kind: float, _: np.random.Generator) -> Picture:
+    """Put glasses on, with dark lenses if the kind is 2."""
+    return np.clip(behind_glasses(photo, YALE_EYES, dark=kind == 2), 0, 1)
+
+
 ORDEALS = (
     Ordeal("noise", "% of white", (0, 0.5, 1, 2, 4, 8), lambda p, level, rng: noisy(p, level / 100, rng), 0),
+    Ordeal("block before the face", "% of the area", (0, 10, 20, 30, 40, 50), _block, 0),
+    Ordeal("glasses", "rims, reflections, lenses", (0, 1, 2), _glasses, 0, ("none", "clear", "dark")),
     Ordeal("shift", f"pixels at {SIZE[1]} x {SIZE[0]}", (0, 1, 2, 3, 4, 5, 6), _shift, 0),
     Ordeal(
         "rotation",
@@ -77,7 +98,14 @@ ORDEALS = (
     Ordeal(
         "blur", f"pixels at {SIZE[1]} x {SIZE[0]}", (0, 0.5, 1, 1.5, 2, 3), lambda p, s, _: blurred(p, SHRINK * s), 0
     ),
-    Ordeal("JPEG", "quality", (10, 20, 30, 50, 75, 95, 101), lambda p, q, _: compressed(p, int(q)), 101),
+    Ordeal(
+        "JPEG",
+        "quality",
+        (10, 20, 30, 50, 75, 95, 101),
+        lambda p, q, _: compressed(p, int(q)),
+        101,
+        ("10", "20", "30", "50", "75", "95", "none"),
+    ),
     Ordeal("resolution", "pixels across", (16, 21, 28, 42, 56, 84, 168), lambda p, w, _: at_resolution(p, int(w)), 168),
     Ordeal("gamma", "of an unknown camera", (0.45, 0.6, 0.8, 1, 1.4, 1.8, 2.2), lambda p, g, _: with_gamma(p, g), 1),
 )

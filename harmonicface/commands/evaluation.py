@@ -26,7 +26,7 @@ from harmonicface.commands.options import AsJson, make_folder
 from harmonicface.datasets.yale_b import parse_people
 from harmonicface.errors import HarmonicFaceError
 
-NAMES = "Comma-separated, of {}."
+NAMES = "Comma-separated, of {}; or all."
 SyntheticMethods = Annotated[
     str | None, typer.Option(help=NAMES.format(", ".join(EVERY_METHOD)), show_default="all that need no cast shadows")
 ]
@@ -62,7 +62,7 @@ def bench(
     crowd = SYNTHETIC if ict is None else ict_crowd(ict, albedo or ICT_ALBEDOS[0])
     make_folder(out)  # before the work rather than after it
     with progress() as tell:
-        result = run_benchmark(faces, size, seed, queries, _methods(methods, METHODS), tell, crowd, ways)
+        result = run_benchmark(faces, size, seed, queries, _methods(methods, METHODS, EVERY_METHOD), tell, crowd, ways)
     page = write_report(result, out)
     if as_json:
         typer.echo(json.dumps(results(result)))
@@ -92,7 +92,9 @@ def evaluate_yale(
     if out is not None:
         make_folder(out)  # before the work rather than after it
     with progress() as tell:
-        result = evaluate_yale_b(folder, numbers, train, _methods(methods, YALE_METHODS), tell, noise, jpeg)
+        result = evaluate_yale_b(
+            folder, numbers, train, _methods(methods, YALE_METHODS, YALE_METHODS), tell, noise, jpeg
+        )
     page = None if out is None else write_yale_report(result, out)
     for name, reason in result.left_out.items():
         typer.echo(f"left out: {name}: {reason}", err=True)
@@ -115,6 +117,8 @@ def _print_yale(result: YaleResult) -> None:
             typer.echo(f"{name}: {reason}")
 
 
-def _methods(text: str | None, usual: Sequence[str]) -> Sequence[str]:
-    """Parse comma-separated names of methods; the usual ones by default."""
-    return usual if text is None else [part.strip() for part in text.split(",")]
+def _methods(text: str | None, usual: Sequence[str], every: Sequence[str]) -> Sequence[str]:
+    """Parse comma-separated names of methods, or all; the usual ones by default."""
+    if text is None:
+        return usual
+    return every if text == "all" else [part.strip() for part in text.split(",")]

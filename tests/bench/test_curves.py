@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import harmonicface as hf
-from harmonicface.bench.curves import CurvePoint, error_curves, spread_lights
+from harmonicface.bench.curves import CurvePoint, error_curves, lost_points, spread_lights
 from harmonicface.bench.curves_page import curves_picture, timing_table, write_curves_page
 from harmonicface.bench.ordeals import ENROLMENT, ORDEALS
 from harmonicface.bench.yale_timing import Timing, filled_up, query_times
@@ -40,7 +40,7 @@ def test_every_ordeal_is_asked_of_every_method(points: list[CurvePoint]) -> None
 def test_nothing_goes_wrong_where_nothing_happens(points: list[CurvePoint]) -> None:
     still = {ordeal.name: ordeal.still for ordeal in (*ORDEALS, ENROLMENT)}
     calm = [point for point in points if point.method == "harmonic9" and point.level == still[point.ordeal]]
-    assert len(calm) == 9
+    assert len(calm) == len(ORDEALS) + 1
     assert {point.wrong for point in calm} == {0}
     assert any(point.wrong for point in points)
 
@@ -61,6 +61,15 @@ def test_errors_with_and_without_unseen_people() -> None:
     assert point.error_unseen is None
     seen = replace(point, wrong_unseen=1, asked_unseen=4).error_unseen
     assert seen is not None and seen.value == 0.25
+
+
+def test_where_another_method_is_better() -> None:
+    wrong = {"default": 3, "lbph": 2, "harmonic9": 1, "tan_triggs": 3}
+    points = [CurvePoint("noise", 1, name, count, 10, 0, 0, 1.0) for name, count in wrong.items()]
+    assert [(ours.wrong, best.method) for ours, best in lost_points(points, "default")] == [(3, "harmonic9")]
+    assert lost_points(points, "harmonic9") == []
+    assert lost_points([replace(point, wrong=2) for point in points], "default") == []
+    assert lost_points([replace(points[1], level=2), points[0]], "default") == []
 
 
 def test_people_who_cannot_be_asked_for(faces: list[YalePerson]) -> None:
@@ -104,5 +113,9 @@ def test_the_page_stands_alone(points: list[CurvePoint], tmp_path: Path) -> None
         assert told in text
     assert timing_table(timings)[1] == [["correlation", "1.25", "0.50", "2"]]
     assert curves_picture(points) != curves_picture([replace(point, wrong=9) for point in points])
+    ours = [replace(point, method="default", wrong=9) for point in points if point.method == "harmonic9"]
+    text = write_curves_page([*points, *ours], timings, [1, 2, 6], tmp_path / "curves.html").read_text("utf-8")
+    assert "Another method has fewer errors than default at noise 0 (" in text
+    assert "glasses dark (" in text
     alone = [replace(point, asked_unseen=0) for point in points if point.ordeal == "noise"]
     assert "shift" not in write_curves_page(alone, [], [1, 2], tmp_path / "curves.html").read_text(encoding="utf-8")

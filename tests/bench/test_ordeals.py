@@ -40,3 +40,19 @@ def test_a_shift_is_as_long_as_it_says() -> None:
 
 def test_the_number_of_enrolled_photographs_leaves_queries_alone() -> None:
     np.testing.assert_array_equal(ENROLMENT.apply(PHOTO, 1, (0,)), reduced_photo(PHOTO))
+
+
+def test_levels_are_called_something() -> None:
+    spelled = {ordeal.name: [ordeal.spell(level) for level in ordeal.levels] for ordeal in ORDEALS}
+    assert spelled["glasses"] == ["none", "clear", "dark"]
+    assert spelled["JPEG"][-2:] == ["95", "none"]
+    assert spelled["noise"][:2] == ["0", "0.5"]
+    assert all(len(set(words)) == len(words) for words in spelled.values())
+
+
+def test_something_held_before_a_face_hides_as_much_as_it_says() -> None:
+    block = next(ordeal for ordeal in ORDEALS if ordeal.name == "block before the face")
+    white = np.ones((192, 168), np.float32)
+    for percent in block.levels[1:]:
+        changed = block.apply(white, percent, (3,)) < 0.999
+        assert changed.mean() == pytest.approx(percent / 100, abs=0.03)
