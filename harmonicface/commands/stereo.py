@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, cast, get_args
+from typing import Annotated, Literal, cast, get_args
 
 import numpy as np
 import typer
@@ -39,6 +39,7 @@ from harmonicface.surfaces.textured_mesh import MOST_VERTICES
 
 MODELS = ("auto", "linear3", "ambient4", "harmonic9")
 OWN_LIGHTS = ("lights.txt", "light_directions.txt")
+UNKNOWN = "unknown"
 OWN_INTENSITIES = "light_intensities.txt"
 Tell = Callable[[str, int, int], None]
 Mask = NDArray[np.bool_]
@@ -68,7 +69,8 @@ def stereo(
         ),
     ] = None,
     intensities: Annotated[
-        Path | None, typer.Option(help="Text file with the brightness of each light, one number or red green blue.")
+        Path | None,
+        typer.Option(help="Text file with the brightness of each lamp, one number or red green blue; or: unknown."),
     ] = None,
     ball: Annotated[
         Path | None,
@@ -143,7 +145,7 @@ def stereo(
                 model=model,  # type: ignore[arg-type]
                 method=method.replace("-", "_"),  # type: ignore[arg-type]
                 face=face,
-                intensities=None if known.intensities is None else effective(known.intensities),
+                intensities=_brightness(known, intensities),
                 saturation=saturation,
                 integration=cast(Integration, integration),
                 pixel_size=1.0 if pixel_size is None else pixel_size * reduce,
@@ -189,6 +191,13 @@ def _print(result: StereoResult, photographs: Photographs, told: Circumstances, 
     typer.echo(f"\nReport: {(target / 'report.html').resolve()}")
 
 
+def _brightness(known: KnownLights, asked: Path | None) -> Floats | Literal["unknown"] | None:
+    """Return the brightness of lamps in grey, or that it is to be found."""
+    if known.intensities is not None:
+        return effective(known.intensities)
+    return "unknown" if str(asked) == UNKNOWN and known.directions is not None else None
+
+
 def _together(camera: tuple[float, ...] | None, distance: float | None, pixel_size: float | None) -> None:
     """Refuse options that do not belong together."""
     if distance is not None and camera is None:
@@ -212,7 +221,7 @@ def _known_lights(
     if len(asked) > 1 or (asked and unknown):
         raise HarmonicFaceError(f"lights: expected one of --lights, --ball, --unknown, got {' and '.join(asked)}")
     names = [file.name for file in files]
-    brightness = None if intensities is None else _intensities(intensities, len(names))
+    brightness = None if intensities is None or str(intensities) == UNKNOWN else _intensities(intensities, len(names))
     if ball is not None or circle is not None:
         found = load_chrome_ball(files if ball is None else ball, circle, transfer)
         if len(found) != len(names):
@@ -225,12 +234,12 @@ def _known_lights(
     if source is None:
         return KnownLights(intensities=brightness)
     told: LightsFile = read_lights_file(source).of(names, str(source))
-    if told.intensities is not None:
+    if told.intensities is not None and str(intensities) != UNKNOWN:
         if brightness is not None:
             raise HarmonicFaceError(f"intensities: expected them once, got them in {source} and in {intensities}")
         brightness = told.intensities
     beside = source.parent / OWN_INTENSITIES
-    if brightness is None and source.name == "light_directions.txt" and beside.is_file():
+    if intensities is None and brightness is None and source.name == "light_directions.txt" and beside.is_file():
         brightness = _intensities(beside, len(names))
     return KnownLights(told.directions, brightness, told.coefficients, f"the file {source}")
 

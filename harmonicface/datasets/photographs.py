@@ -174,17 +174,15 @@ def opened_photographs(
             if pixels.values.shape[:2] != first.values.shape[:2]:
                 expected, got = (" x ".join(map(str, each.values.shape[1::-1])) for each in (first, pixels))
                 raise HarmonicFaceError(f"{file}: expected {expected} pixels as {files[0].name} has, got {got}")
-            top = 0
+            top, stored = 0, _picture(images, index)
             for values, full in _rows(file, pixels, transfer, side):
                 grey = values if values.ndim == 2 else _grey(values, None if balance is None else balance[index])
                 coloured = coloured or (values.ndim == 3 and bool((values[..., 1:] != values[..., :1]).any()))
                 grey = np.where(full, np.float32(FULL), grey)
                 bottom = top + len(values)
-                images[index, top:bottom] = grey
+                stored[top:bottom] = grey
                 np.maximum(brightest[top:bottom], grey, out=brightest[top:bottom])
                 top = bottom
-            if isinstance(images, np.memmap):
-                images.flush()
         tell("reading photographs", len(files), len(files))
         yield Photographs(tuple(files), images, coloured, brightest, transfer, side)
 
@@ -207,6 +205,13 @@ def _rows(
             shown = shown.reshape(*squares, *shown.shape[2:]).mean(axis=(1, 3))
             full = full.reshape(squares).any(axis=(1, 3))
         yield shown, full
+
+
+def _picture(images: Images, index: int) -> Images:
+    """Return one picture to write to; of a file through a mapping of its own, which ends with it."""
+    if not isinstance(images, np.memmap):
+        return np.asarray(images[index])
+    return np.memmap(str(images.filename), np.float32, "r+", images[:index].nbytes, images.shape[1:])
 
 
 def _grey(colours: NDArray[np.float32], balance: Floats | None) -> NDArray[np.float32]:

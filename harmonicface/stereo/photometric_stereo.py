@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,15 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo import known_lights
+from harmonicface.lighting.as_light import LightLike
 from harmonicface.stereo.colour import with_colours
 from harmonicface.stereo.discontinuity import integrate_bilaterally
 from harmonicface.stereo.factors import leading_factors
-from harmonicface.stereo.in_blocks import Images, Pixels, Stack, solved, spread
+from harmonicface.stereo.given_lights import under_general_light, under_lamps
+from harmonicface.stereo.in_blocks import Images, Pixels, Stack, spread
 from harmonicface.stereo.integration import integrate_normals
 from harmonicface.stereo.perspective_integration import integrate_perspective
-from harmonicface.stereo.result import Ambiguity, Model, StereoResult
-from harmonicface.stereo.unknown_lights import Found, find_lights
+from harmonicface.stereo.result import Model, StereoResult
+from harmonicface.stereo.unknown_lights import find_lights
 from harmonicface.surfaces.surface import Surface
 
 Integration = Literal["poisson", "weighted", "bilateral", "none"]
@@ -35,13 +35,13 @@ LEAST_TRUST = 60.0  # degrees: the standard error at which a normal says nothing
 
 def photometric_stereo(
     images: ArrayLike,
-    lights: ArrayLike | None = None,
+    lights: ArrayLike | Sequence[LightLike] | None = None,
     mask: ArrayLike | None = None,
     *,
     model: Model | Literal["auto"] = "auto",
     method: Method = "robust",
     face: bool = False,
-    intensities: ArrayLike | None = None,
+    intensities: ArrayLike | Literal["unknown"] | None = None,
     saturation: float = 1.0,
     integration: Integration = "poisson",
     pixel_size: float = 1.0,
@@ -56,7 +56,8 @@ def photometric_stereo(
     images
         (n, h, w) or (n, h, w, 3) linear intensities. An array mapped from a file is read in blocks of rows.
     lights
-        (n, 3) unit directions to distant lamps, x right, y up, z toward the camera; None: unknown.
+        (n, 3) unit directions to distant lamps, x right, y up, z toward the camera; or any light: (n, 4) or (n, 9)
+        harmonic coefficients, or a list of what `as_light` takes, such as `EnvironmentMap`; None: unknown.
     mask
         (h, w) booleans, the pixels to solve; all by default. Elsewhere the images may hold anything.
     model
@@ -67,8 +68,8 @@ def photometric_stereo(
     face
         True if the images show a face from the front: its symmetry and a mean face resolve what is ambiguous.
     intensities
-        (n,) or (n, 3) brightness of each light, in each colour; 1 by default. With unknown directions they are
-        divided out.
+        (n,) or (n, 3) brightness of each lamp, in each colour; 1 by default, "unknown" to find it. With unknown
+        directions they are divided out.
     saturation
         The top of the images' range: from there on an observation is left out. Infinity for none.
     integration
@@ -105,14 +106,24 @@ def photometric_stereo(
     _among(model, ("auto", *UNKNOWNS), "model")
     array = _checked_images(images)
     inside = checked_mask(mask, (array.shape[1], array.shape[2]))
-    brightness = None if intensities is None else _checked_intensities(intensities, len(array))
+    semi = isinstance(intensities, str)
+    if semi and intensities != "unknown":
+        raise HarmonicFaceError(f"intensities: expected numbers or 'unknown', got {intensities!r}")
+    brightness = None if semi or intensities is None else _checked_intensities(intensities, len(array))
     stack = Stack(array, inside, balance(brightness), _checked_saturation(saturation))
     if lights is None:
         _enough(len(array), "linear3" if model == "auto" else model)
         grey = None if brightness is None else effective(brightness)
         found = find_lights(stack, model, method, face, grey, tell)
+    elif _are_directions(lights):
+        directions = _checked_directions(lights, len(array))
+        _enough(len(array), "linear3")
+        if brightness is not None:
+            directions = directions * effective(brightness)[:, None]
+        found = under_lamps(stack, directions, method, semi, tell)
     else:
-        found = _under(stack, _checked_directions(lights, len(array)), brightness, method, tell)
+        _enough(len(array), "linear3")
+        found = under_general_light(stack, lights, model, tell)
     factors = leading_factors(_told(stack, tell), UNKNOWNS[found.model])
     surface = _surface(found.pixels, inside, pixel_size, integration, intrinsics, distance, tell)
     result = StereoResult(
@@ -136,15 +147,13 @@ def photometric_stereo(
     return with_colours(result, colours, brightness if brightness is not None and brightness.ndim == 2 else None)
 
 
-def _under(stack: Stack, lights: Floats, brightness: Floats | None, method: str, tell: Progress) -> Found:
-    """Return what is found under known lamps."""
-    _enough(len(lights), "linear3")
-    if brightness is not None:
-        lights = lights * effective(brightness)[:, None]
-    solve = partial(known_lights.solve, lights=lights, method=method, saturation=stack.saturation)
-    pixels = solved(stack, solve, lambda done, of: tell("normals", done, of))
-    reason = "the directions of distant lamps were given"
-    return Found(lights, pixels, "linear3", reason, Ambiguity("none", "the lights are known"), {})
+def _are_directions(lights: ArrayLike | Sequence[LightLike]) -> bool:
+    """Tell whether lights are numbers that are no harmonic coefficients."""
+    try:
+        rows = np.asarray(lights, np.float64)
+    except (TypeError, ValueError):
+        return False
+    return not (rows.ndim == 2 and rows.shape[1] in (4, 9))
 
 
 def _told(stack: Stack, tell: Progress) -> Iterator[Floats]:
@@ -220,7 +229,7 @@ def checked_mask(mask: ArrayLike | None, shape: tuple[int, int]) -> Mask:
     return _validate.mask(np.ones(shape, bool) if mask is None else mask, "mask", shape)
 
 
-def _checked_directions(lights: ArrayLike, count: int) -> Floats:
+def _checked_directions(lights: Any, count: int) -> Floats:
     """Return unit directions exactly, from those that have two decimals."""
     rows = _validate.vectors(lights, "lights").astype(np.float64)
     if rows.shape != (count, 3):

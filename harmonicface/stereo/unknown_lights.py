@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from harmonicface.harmonics.indexing import order_of
 from harmonicface.stereo import known_lights
 from harmonicface.stereo.factors import leading_factors
 from harmonicface.stereo.general_unknown_light import general_light_stereo
+from harmonicface.stereo.given_lights import Found
 from harmonicface.stereo.in_blocks import Pixels, Stack, solved
 from harmonicface.stereo.light_model import choose_light_model
-from harmonicface.stereo.result import Ambiguity, Model
 from harmonicface.stereo.unknown_directions import unknown_directions
 from harmonicface.stereo.unknown_lamps import unknown_lamps
 from harmonicface.surfaces.surface import Surface
@@ -24,28 +24,6 @@ from harmonicface.surfaces.surface import Surface
 MOST_PIXELS = 150_000  # that tell the lights: more change them by less than the model's own misfit
 
 Tell = Callable[[str, int, int], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """Lights, what was found of the pixels under them, and what remains open.
-
-    Parameters
-    ----------
-    lights
-        (n, 3), (n, 4) or (n, 9) as in `StereoResult`.
-    pixels
-        What was found of the masked pixels.
-    model, model_reason, ambiguity, left_out
-        See `StereoResult`.
-    """
-
-    lights: Floats
-    pixels: Pixels
-    model: Model
-    model_reason: str
-    ambiguity: Ambiguity
-    left_out: dict[int, str]
 
 
 def find_lights(

@@ -7,8 +7,11 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
+from harmonicface.appearance.basis import harmonic_images
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.lighting.light import HarmonicLight
 from harmonicface.stereo.photometric_stereo import photometric_stereo
+from harmonicface.surfaces.surface import Surface
 
 Doubles = NDArray[np.float64]
 SIZE, RADIUS = 40, 22.0
@@ -137,8 +140,46 @@ def test_three_photographs_leave_no_doubt_to_measure() -> None:
 
 def test_it_tells_what_it_does() -> None:
     told: list[str] = []
-    photometric_stereo(GREY, LAMPS, MASK, tell=lambda what, done, of: told.append(what))
+    photometric_stereo(GREY, LAMPS, MASK, method="matte", tell=lambda what, done, of: told.append(what))
     assert list(dict.fromkeys(told)) == ["normals", "singular values", "depth"]
+
+
+def test_a_photograph_of_something_else_is_left_out_and_said() -> None:
+    lamps = np.concatenate([LAMPS, LAMPS[::-1] * [-1, 1, 1]])
+    images = 0.5 * np.maximum(np.einsum("nk,hwk->nhw", lamps, NORMALS), 0)
+    images[5] = RANDOM.uniform(0, 0.5, (SIZE, SIZE))
+    found = photometric_stereo(images, lamps, MASK)
+    assert list(found.left_out) == [5] and np.isnan(found.lights[5]).all()
+    assert np.isfinite(np.delete(found.lights, 5, axis=0)).all()
+    assert degrees(found.surface.normals).max() < 0.5 and found.used.max() <= 23
+    everything = photometric_stereo(images, lamps, MASK, method="matte")
+    assert everything.left_out == {}
+
+
+def test_the_brightness_of_lamps_is_found() -> None:
+    brightness = RANDOM.uniform(0.3, 1.2, 12)
+    brightness /= np.median(brightness)
+    found = photometric_stereo(GREY * brightness[:, None, None], LAMPS, MASK, intensities="unknown", saturation=np.inf)
+    assert_allclose(
+        np.linalg.norm(found.lights, axis=1), brightness, rtol=0.03
+    )  # of lamps that differ by a factor of 3
+    assert degrees(found.surface.normals).max() < 1 and "brightness was found" in found.model_reason
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_known_general_light(order: int) -> None:
+    count = (order + 1) ** 2
+    lights = RANDOM.normal(size=(12, count)) * 0.3
+    lights[:, 0] = 2
+    surface = Surface(NORMALS, np.full(MASK.shape, 0.5), MASK)
+    images = np.zeros((12, SIZE, SIZE))
+    images[:, MASK] = lights @ harmonic_images(surface, order)
+    found = photometric_stereo(images, lights, MASK, saturation=np.inf)
+    assert degrees(found.surface.normals).max() < 0.05
+    assert found.model == ("ambient4" if order == 1 else "harmonic9") and found.ambiguity.name == "none"
+    several = [HarmonicLight(light) for light in lights]
+    again = photometric_stereo(images, several, MASK, saturation=np.inf, model=found.model)
+    assert_allclose(again.surface.normals, found.surface.normals, atol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -158,6 +199,13 @@ def test_it_tells_what_it_does() -> None:
         ({"intensities": np.zeros(12)}, "intensities: expected numbers above 0"),
         ({"saturation": 0.0}, "saturation: expected a number above 0"),
         ({"saturation": True}, "saturation: expected a number above 0"),
+        ({"intensities": "some"}, "intensities: expected numbers or 'unknown', got 'some'"),
+        ({"lights": np.ones((12, 9)), "model": "linear3"}, "model: expected ambient4 or harmonic9"),
+        ({"lights": np.ones((7, 9))}, "lights: expected one for each of 12 images, got 7"),
+        (
+            {"lights": None, "model": "ambient4", "intensities": np.ones(12)},
+            "intensities: expected them with distant lamps",
+        ),
         ({"integration": "best"}, "integration: expected one of poisson"),
         ({"method": "best"}, "method: expected one of robust"),
         ({"model": "best"}, "model: expected one of auto"),
