@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.stereo.factors import Factors, leading_factors
+from harmonicface.stereo.foreign_photographs import foreign_photographs
 from harmonicface.stereo.integration import integrate_normals
 from harmonicface.stereo.light_model import MODELS, SPARE, LightModel, choose_light_model
 from harmonicface.stereo.linear_shape import LinearShape, unit
@@ -63,6 +64,8 @@ class GeneralLightStereo:
         All singular values, gap and condition.
     cost
         Of the refinement, before it and after each round; none larger than the one before.
+    left_out
+        Photographs that show something else than the others, by index, each with its reason; their lights are NaN.
     """
 
     scaled: Doubles
@@ -76,6 +79,7 @@ class GeneralLightStereo:
     noise: float
     factors: Factors
     cost: list[float]
+    left_out: dict[int, str] = field(default_factory=dict)
 
 
 def general_light_stereo(
@@ -125,6 +129,14 @@ def general_light_stereo(
     exposure = np.percentile(observations, BRIGHT, axis=1)
     if not exposure.min() > 1e-6 * exposure.max():
         raise HarmonicFaceError(f"pixels: expected light in each photograph, got photograph {exposure.argmin()} black")
+    left_out = foreign_photographs(observations)
+    if left_out:
+        kept = np.setdiff1d(np.arange(len(observations)), list(left_out))
+        found = general_light_stereo(observations[kept], inside, model=model, face=face, shadows=shadows)
+        lights = np.full((len(observations), found.lights.shape[1]), np.nan)
+        lights[kept] = found.lights
+        others = {int(kept[index]): reason for index, reason in found.left_out.items()}
+        return replace(found, lights=lights, left_out={**left_out, **others})
     even = observations / exposure[:, None]
     chosen = choose_light_model(even, inside)
     name, reason = _model(model, chosen, len(even))
@@ -138,10 +150,10 @@ def general_light_stereo(
     photographs, coarse = reduced(even, inside, side, small), reduced(right, inside, side, small)
     search, linear, misfit = _start(photographs, coarse, small, name, face, shadows)
     linear, _ = search.search(linear, SEARCH if face else SEARCH_AFAR)
-    found = search.explain(linear)
+    explained = search.explain(linear)
     scaled = right.T @ linear
     return _finished(
-        even, exposure, inside, scaled, found.lights.radiance, shadows, name, reason, chosen, factors, misfit
+        even, exposure, inside, scaled, explained.lights.radiance, shadows, name, reason, chosen, factors, misfit
     )
 
 

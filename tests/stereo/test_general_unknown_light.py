@@ -78,6 +78,16 @@ def test_without_saying_that_it_is_a_face(photographs, person):
     assert found.ambiguity.name == "bas-relief" and found.ambiguity.parameters["lambda_std"] == 0.25
 
 
+def test_a_photograph_of_another_scene_is_left_out(photographs, person):
+    y, x = np.mgrid[0:1:32j, 0:1:28j]
+    stripes = (np.sin(40 * x + 3 * y) > 0)[person.mask].astype(float)
+    mixed = np.insert(photographs, 4, stripes, axis=0)
+    found = general_light_stereo(mixed, person.mask, model="ambient4", face=True)
+    assert list(found.left_out) == [4] and "nothing that light" in found.left_out[4]
+    assert np.isnan(found.lights).any(axis=1).tolist() == [index == 4 for index in range(15)]
+    assert angles(found.scaled, person.pixel_normals).mean() < 10
+
+
 def test_first_order_without_shadows():
     """Light of first order on hills: the closed form is a better start than a balloon."""
     y, x = np.mgrid[1:-1:32j, -1:1:32j]
