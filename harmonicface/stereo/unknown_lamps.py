@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
+from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.bas_relief_cues import Cue, equal_albedo, equal_lamps, highlights, matrix_of, pooled, usual
-from harmonicface.stereo.face_frame import MeanFace, find_mean_face
+from harmonicface.stereo.face_frame import find_mean_face
 from harmonicface.stereo.hayakawa import equalized, linear_factors
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame
@@ -56,7 +57,7 @@ def unknown_lamps(
     mask
         (h, w) booleans with p of them true, row by row.
     face
-        True if the photographs show an upright face from the front.
+        True if the photographs show an upright face from the front. Where none is found in them, the ambiguity says so.
     saturation
         From there on an observation is not used.
     method
@@ -82,7 +83,7 @@ def unknown_lamps(
     better = refined(equal, factors.lights, factors.scaled, factors.weights)
     found = _by_integrability(equal, better, brightness, mask, seed)
     if face:
-        found = _by_mean_face(found, better, find_mean_face(equal, mask))
+        found = _of_face(found, better, equal, mask)
     lights = found.lights * brightness[:, None]
     unit = np.median(np.linalg.norm(lights, axis=1))
     lights = lights / unit
@@ -121,9 +122,14 @@ def _by_integrability(equal: Floats, start: Refined, brightness: Doubles, mask: 
     return _Upright(lights @ np.linalg.inv(relief), scaled @ relief.T, chosen, slant, frame.gap)
 
 
-def _by_mean_face(found: _Upright, start: Refined, mean: MeanFace) -> _Upright:
-    """Return what integrability found where it looks like a face; otherwise the frame that does most."""
-    frame = mean.frame(start.scaled)
+def _of_face(found: _Upright, start: Refined, equal: Floats, mask: Mask) -> _Upright:
+    """Return what integrability found where it looks like a face, or none is found; else the frame that does most."""
+    try:
+        mean = find_mean_face(equal, mask)
+        frame = mean.frame(start.scaled)
+    except HarmonicFaceError as error:
+        cue = replace(found.cue, name=f"{found.cue.name}, not from a face ({error})")
+        return replace(found, cue=cue)
     scaled = start.scaled @ frame.T
     if mean.angle(found.scaled) <= ALIKE * mean.angle(scaled):
         cue = Cue(f"{found.cue.name}, and look like a face", found.cue.relief, found.cue.deviations)

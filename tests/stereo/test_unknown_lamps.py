@@ -58,14 +58,12 @@ def test_a_wall_is_refused():
         unknown_lamps(LIGHTS @ wall.T, np.ones((20, 20), bool))
 
 
-def test_a_ball_is_no_face():
-    with pytest.raises(HarmonicFaceError, match="expected a face"):
-        unknown_lamps(IMAGES, MASK, face=True)
-
-
-def test_three_photographs_are_too_few_for_a_face():
-    with pytest.raises(HarmonicFaceError, match="at least 4 to find a face"):
-        unknown_lamps(IMAGES[:3], MASK, face=True)
+@pytest.mark.parametrize(("count", "why"), [(24, "expected a face"), (3, "at least 4 to find a face")])
+def test_where_no_face_is_found_it_is_said(count, why):
+    found = unknown_lamps(IMAGES[:count], MASK, face=True, method="least_squares")
+    assert why in found.ambiguity.reason
+    same = unknown_lamps(IMAGES[:count], MASK, method="least_squares")
+    assert np.array_equal(found.lights, same.lights)
 
 
 @pytest.mark.data
