@@ -174,9 +174,9 @@ def synthetic_records(people: int, quick: bool) -> Iterator[Record]:
 
 def records(quick: bool) -> Iterator[Record]:
     """Synthetic people, then Yale B."""
-    yield from synthetic_records(20 if quick else 50, quick)
+    yield from synthetic_records(20 if quick else 30, quick)
     if DATA.is_dir():
-        yield from yale_records(12 if quick else 1, quick)
+        yield from yale_records(12 if quick else 4, quick)
     else:
         print(f"skipped: the photographs of Yale B are not in {DATA} (set HARMONICFACE_DATA)")
 
@@ -184,7 +184,9 @@ def records(quick: bool) -> Iterator[Record]:
 def main() -> None:
     """Print the records, and write them if asked."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="20 synthetic people, a twelfth of the photographs")
+    parser.add_argument(
+        "--quick", action="store_true", help="20 synthetic people, a twelfth of the photographs; else a quarter"
+    )
     parser.add_argument("--json", help="write the records here")
     options = parser.parse_args()
     collected = []

@@ -1,8 +1,8 @@
 """How wrong is recognition as photographs get worse, and how long does it take? Beside OpenCV's `cv2.face`, Tan-Triggs.
 
-Run it as `python benchmarks/recognition.py [--quick] [--json FILE] [--out DIR]`; DIR gets a page with the curves.
-Settings of "default" were chosen on people 1 to 5; notes tell the error on the others alone. `occlusion.py` has more
-about hidden faces.
+Run it as `python benchmarks/recognition.py [--quick] [--queries N] [--json FILE] [--out DIR]`; DIR gets a page with
+the curves. Settings of "default" were chosen on people 1 to 5; notes tell the error on the others alone. `occlusion.py`
+has more about hidden faces.
 """
 
 from __future__ import annotations
@@ -70,6 +70,7 @@ def main() -> None:
     """Print the records, and write them if asked."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="five people, six photographs of each, few levels")
+    parser.add_argument("--queries", type=int, default=8, help="photographs of each person (default %(default)s)")
     parser.add_argument("--json", help="write the records here")
     parser.add_argument("--out", help="write a page with the curves into this folder")
     options = parser.parse_args()
@@ -78,7 +79,8 @@ def main() -> None:
         return
     faces = load_yale_b(DATA, QUICK_PEOPLE if options.quick else None)
     with progress() as tell:
-        points = error_curves(faces, queries=6 if options.quick else 8, every=3 if options.quick else 1, progress=tell)
+        asked, every = (6, 3) if options.quick else (options.queries, 1)
+        points = error_curves(faces, queries=asked, every=every, progress=tell)
         methods, queries = (QUICK_METHODS, 4) if options.quick else (YALE_METHODS, 12)
         timings = query_times(faces, methods, queries=queries, progress=tell)
     found = curve_records(points, len(faces)) + timing_records(timings)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from harmonicface import _validate
 from harmonicface.bench.contenders import Contender, Person
 from harmonicface.bench.degradation import Picture
 from harmonicface.bench.ordeals import ENROLMENT, ORDEALS, Ordeal, reduced_photo
@@ -98,7 +99,8 @@ def error_curves(
     Raises
     ------
     HarmonicFaceError
-        Fewer than two people, an unknown method, somebody without photographs in subset 1 or beyond it.
+        Fewer than two people, an unknown method, less than 1 query or level, somebody without photographs in
+        subset 1 or beyond it.
 
     Examples
     --------
@@ -109,7 +111,8 @@ def error_curves(
     if len(faces) < 2:
         raise HarmonicFaceError(f"people: expected at least two to tell apart, got {len(faces)}")
     tell = progress or (lambda *_: None)
-    asked = _questions(faces, queries)
+    asked = _questions(faces, _validate.at_least(queries, 1, "queries"))
+    every = _validate.at_least(every, 1, "every")
     everybody = _learned(faces, None)
     contenders = {name: _enrolled(name, everybody) for name in methods}
     calm = [reduced_photo(question.photo) for question in asked]

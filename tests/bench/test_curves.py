@@ -75,6 +75,10 @@ def test_where_another_method_is_better() -> None:
 def test_people_who_cannot_be_asked_for(faces: list[YalePerson]) -> None:
     with pytest.raises(hf.HarmonicFaceError, match="people: expected at least two to tell apart, got 1"):
         error_curves(faces[:1])
+    with pytest.raises(hf.HarmonicFaceError, match="queries: expected an integer of at least 1, got int 0"):
+        error_curves(faces, ["correlation"], queries=0)
+    with pytest.raises(hf.HarmonicFaceError, match="every: expected an integer of at least 1, got int 0"):
+        error_curves(faces, ["correlation"], every=0)
     for subsets, message in (
         (1, "yaleB02: expected photographs beyond subset 1"),
         (2, "expected photographs in subset 1"),
