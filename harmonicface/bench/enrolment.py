@@ -84,9 +84,10 @@ def enrol_by(
     degrees, times, refusals = np.full(len(surfaces), np.nan), [], {}
     for index, surface in enumerate(surfaces):
         rng = np.random.default_rng([seed, 3, list(ENROLMENTS).index(kind), index])
-        images = _rig(surface, rng) if kind == "stereo" else _environments(surface, rng)
         start = time.perf_counter()
         try:
+            images = _rig(surface, rng) if kind == "stereo" else _environments(surface, rng)
+            start = time.perf_counter()
             result = (
                 photometric_stereo(images, rig(), surface.mask, integration="none")
                 if kind == "stereo"
