@@ -7,18 +7,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harmonicface import _validate
-from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.stereo.factors import Factors, leading_factors
 from harmonicface.stereo.foreign_photographs import foreign_photographs
+from harmonicface.stereo.general_light_checks import FEWEST, checked_photographs, require_three_dimensions
 from harmonicface.stereo.integration import integrate_normals
 from harmonicface.stereo.light_model import MODELS, SPARE, LightModel, choose_light_model
-from harmonicface.stereo.linear_shape import LinearShape, unit
+from harmonicface.stereo.linear_shape import LinearShape, away_from_behind, unit
 from harmonicface.stereo.lorentz import first_order_normals
 from harmonicface.stereo.mean_face import mean_face_normals, place_mean_face
 from harmonicface.stereo.pixel_refinement import refine
+from harmonicface.stereo.reduction import reduced, reduced_mask
 from harmonicface.stereo.result import Ambiguity, Model
 from harmonicface.stereo.rim import outward_slant
 from harmonicface.stereo.silhouette import balloon_normals
@@ -27,12 +27,9 @@ from harmonicface.stereo.sky_cells import SOLID_ANGLE, Singles, cell_directions,
 COARSE = 1100  # pixels in which the gauge is searched: a map of 27 numbers needs no more
 FINE = 60_000  # pixels that are refined each for itself; more keep what the map of the factors gives them
 BRIGHT = 99.0  # percentile of a photograph that counts as white: how photographs are exposed
-FEWEST = 100  # pixels, for shadows and integrability to tell anything
 SEARCH, SEARCH_AFAR = 8, 16  # rounds from the mean face, and from a balloon
 EVENNESS = 0.05  # weight of even albedo; these two were chosen on one scanned head
 FACE_TRUST = 0.06  # weight of the mean face's normals
-DIMENSIONS = 3  # in which light has to vary
-CLEARLY = 3.0  # times what noise would give: what counts as a variation
 CHOICES = ("auto", "ambient4", "harmonic9")
 
 Doubles = NDArray[np.float64]
@@ -123,7 +120,7 @@ def general_light_stereo(
         varies in fewer than three dimensions (one light repeated, lights in a plane, a planar surface); nothing that
         resembles a face where one was promised.
     """
-    observations, inside = _checked(pixels, mask)
+    observations, inside = checked_photographs(pixels, mask)
     if model not in CHOICES:
         raise HarmonicFaceError(f"model: expected one of {', '.join(CHOICES)}, got {model!r}")
     exposure = np.percentile(observations, BRIGHT, axis=1)
@@ -141,7 +138,7 @@ def general_light_stereo(
     chosen = choose_light_model(even, inside)
     name, reason = _model(model, chosen, len(even))
     factors = leading_factors(even, MODELS[name])
-    _require_three_dimensions(factors, chosen.noise)
+    require_three_dimensions(factors, chosen.noise)
     right = np.asarray(factors.right, np.float64) * np.sqrt(factors.pixels)
     side = max(1, int(np.sqrt(inside.sum() / COARSE)))
     small = reduced_mask(inside, side)
@@ -235,32 +232,10 @@ def _fitted(factors: Doubles, wanted: Doubles) -> Doubles:
     return np.asarray(np.linalg.lstsq(factors.T, wanted, rcond=None)[0], np.float64)
 
 
-def reduced_mask(mask: Mask, side: int) -> Mask:
-    """Return which squares of `side` pixels lie in the mask whole."""
-    height, width = (size // side for size in mask.shape)
-    return np.asarray(
-        mask[: height * side, : width * side].reshape(height, side, width, side).all(axis=(1, 3)), np.bool_
-    )
-
-
-def reduced(rows: Floats, mask: Mask, side: int, small: Mask) -> Doubles:
-    """Return the means of rows (k, p) over the squares of a reduced mask."""
-    height, width = small.shape
-    grid = np.zeros(mask.shape)
-    found = np.empty((len(rows), int(small.sum())))
-    for row, target in zip(rows, found, strict=True):
-        grid[mask] = row
-        blocks = grid[: height * side, : width * side].reshape(height, side, width, side)
-        target[:] = blocks.mean(axis=(1, 3))[small]
-    return found
-
-
 def _depth(scaled: Doubles, mask: Mask) -> Doubles:
     grid = np.zeros((*mask.shape, 3))
     grid[mask] = unit(scaled)
-    behind = mask & (grid[..., 2] < 0) & (np.linalg.norm(grid[..., :2], axis=2) < 1e-3)
-    grid[behind] = 0, 0, 1
-    return integrate_normals(grid, mask)
+    return integrate_normals(away_from_behind(grid, mask), mask)
 
 
 def _model(asked: str, chosen: LightModel, count: int) -> tuple[Model, str]:
@@ -273,16 +248,6 @@ def _model(asked: str, chosen: LightModel, count: int) -> tuple[Model, str]:
     if count < MODELS[name] + SPARE:
         raise HarmonicFaceError(f"pixels: expected at least {MODELS[name] + SPARE} photographs for {name}, got {count}")
     return name, "asked for"
-
-
-def _require_three_dimensions(factors: Factors, noise: float) -> None:
-    """Refuse photographs that vary in one or two ways only."""
-    found = factors.above_noise(max(CLEARLY * noise, 1e-6 * factors.residual(0)))
-    if found < DIMENSIONS:
-        raise HarmonicFaceError(
-            f"pixels: expected photographs that vary in at least {DIMENSIONS} ways, got {found} above the noise of"
-            f" {noise:.2g}: one light repeated, lights in a plane, or a planar surface do not tell normals"
-        )
 
 
 def _ambiguity(misfit: float | None, shadows: bool) -> Ambiguity:
@@ -301,23 +266,3 @@ def _ambiguity(misfit: float | None, shadows: bool) -> Ambiguity:
 def _relief(height: float, tilt: float) -> dict[str, float]:
     found = {"mu": 0.0, "nu": 0.0, "lambda": 1.0}
     return {**found, "mu_std": tilt, "nu_std": tilt, "lambda_std": height}
-
-
-def _checked(pixels: ArrayLike, mask: ArrayLike) -> tuple[Doubles, Mask]:
-    observations = _validate.floats(pixels, "pixels").astype(np.float64)
-    inside = np.asarray(mask)
-    if inside.ndim != 2:
-        raise HarmonicFaceError(f"mask: expected shape (h, w), got {_validate.describe(inside)}")
-    inside = _validate.mask(inside, "mask", (inside.shape[0], inside.shape[1]))
-    if observations.ndim != 2 or observations.shape[1] != inside.sum():
-        raise HarmonicFaceError(
-            f"pixels: expected shape (n, {inside.sum()}) as in the mask, got {_validate.describe(observations)}"
-        )
-    if len(observations) < MODELS["ambient4"] + SPARE:
-        raise HarmonicFaceError(
-            f"pixels: expected at least {MODELS['ambient4'] + SPARE} photographs under unknown general light,"
-            f" got {len(observations)}"
-        )
-    if observations.shape[1] < FEWEST:
-        raise HarmonicFaceError(f"mask: expected at least {FEWEST} pixels, got {observations.shape[1]}")
-    return _validate.finite(observations, "pixels").astype(np.float64), inside

@@ -11,7 +11,8 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.lighting.natural import natural
 from harmonicface.people.synthetic import synthetic_person
-from harmonicface.stereo.general_unknown_light import general_light_stereo, reduced, reduced_mask
+from harmonicface.stereo.general_unknown_light import general_light_stereo
+from harmonicface.stereo.reduction import reduced, reduced_mask
 
 SIZE = (32, 28)
 
