@@ -28,6 +28,7 @@ EQUAL = 0.1  # of brightness: lamps that can be made as equal as that are equal
 LEAST_EQUAL = 10  # lamps: fewer may be made equal by chance
 LAMPS_ERROR = 0.05  # of a surface that is not matte, whatever the lamps
 USUAL, USUAL_ERROR = (0.0, 0.0, 0.3), (0.2, 0.2, 0.25)  # tilt and relief of things that are seen whole, from the front
+INSIDE = 0.8  # of what is allowed: where searches start
 FARTHEST = 1.5  # of any parameter, from the upright frame
 
 Cost = Callable[[Doubles], float]
@@ -212,7 +213,7 @@ def _least(cost: Cost, start: Doubles, stretches: tuple[float, ...] = (-0.5, 0.0
     """Return the relief of least cost, within bounds, from starts of some stretches."""
     best, least = start, np.inf
     for stretch in stretches:
-        middle = start + np.array([0, 0, stretch])
+        middle = np.clip(start + np.array([0, 0, stretch]), -INSIDE * FARTHEST, INSIDE * FARTHEST)
         simplex = middle + np.vstack([np.zeros(3), np.diag([0.15, 0.15, 0.2])])
         options = {"initial_simplex": simplex, "xatol": 2e-3, "fatol": 1e-6, "maxiter": 200}
         bounds = [(-FARTHEST, FARTHEST)] * 3

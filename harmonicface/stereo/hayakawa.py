@@ -18,6 +18,7 @@ FEWEST_RANKS = 6  # photographs that are left to every pixel, where there are so
 ROUNDS = 30
 SETTLED = 1e-5  # of the lights, by which they still change
 SAMPLE = 12_000  # pixels that tell the lights: more change nothing that their noise would show
+LEAST_THIRD = 0.05  # the same, of what the factors explain: lamps within 12 degrees, or nearly in a plane, are below
 LEAST_SHARE = 1e-4  # the third singular value over the first: below, the photographs tell of fewer directions
 
 _ROWS, _COLUMNS = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
@@ -97,6 +98,24 @@ def linear_factors(observations: Floats, saturation: float | Floats = np.inf) ->
             break
     scaled, _ = scaled_normals(observations, lights, weights)
     return LinearFactors(lights, scaled, weights)
+
+
+def check_span(lights: Doubles, scaled: Doubles) -> None:
+    """Refuse factors the third of which is so weak that shadows and noise outweigh it in any frame.
+
+    Raises
+    ------
+    HarmonicFaceError
+        Lamps near one another or near one plane, or a surface that is nearly flat.
+    """
+    triangle = np.linalg.qr(lights)[1]
+    values = np.sqrt(np.maximum(np.linalg.eigvalsh(triangle @ (scaled.T @ scaled) @ triangle.T), 0.0))
+    if values[0] < LEAST_THIRD * values[-1]:
+        raise HarmonicFaceError(
+            "images: expected unknown lamps from directions that span space on a surface that is not flat, got lamps"
+            " that are near one another or near one plane, or nearly a plane: the third singular value is"
+            f" {values[0] / values[-1]:.1%} of the first (at least {LEAST_THIRD:.0%})"
+        )
 
 
 def middle_ranks(observations: Floats) -> NDArray[np.float32]:

@@ -9,7 +9,7 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.bas_relief import SPREAD, unit_frame
 from harmonicface.stereo.bas_relief_cues import equal_albedo, highlights, known_lamps, matrix_of, pooled
-from harmonicface.stereo.hayakawa import lights_of, linear_factors, middle_ranks
+from harmonicface.stereo.hayakawa import check_span, lights_of, linear_factors, middle_ranks
 from harmonicface.stereo.integrability import integrable_frame, integrable_rotation
 from harmonicface.stereo.lamps import Lamps, bulging, of_rim, solved_under
 from harmonicface.stereo.matte_refinement import Refined, refined
@@ -68,6 +68,7 @@ def unknown_directions(
     checked_inside(observations, mask)
     factors = linear_factors(observations, saturation)
     start = refined(observations, factors.lights, factors.scaled, factors.weights)
+    check_span(start.lights, start.scaled)
     lights, slant = _shape_first(observations, start, mask, seed)
     other = _lamps_first(start, mask, seed)
     if other and _inequality(lights) > WORSE * _inequality(other[0]) + SLACK:  # three more unknowns fit a little better

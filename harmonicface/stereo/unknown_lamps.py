@@ -11,7 +11,7 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.bas_relief_cues import Cue, equal_albedo, equal_lamps, highlights, matrix_of, pooled, usual
 from harmonicface.stereo.face_frame import find_mean_face
-from harmonicface.stereo.hayakawa import equalized, linear_factors
+from harmonicface.stereo.hayakawa import check_span, equalized, linear_factors
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame
 from harmonicface.stereo.lamps import Lamps, bulging, solved_under
@@ -81,6 +81,7 @@ def unknown_lamps(
     equal, brightness = equalized(observations)
     factors = linear_factors(equal, saturation / brightness[:, None])
     better = refined(equal, factors.lights, factors.scaled, factors.weights)
+    check_span(better.lights, better.scaled)
     found = _by_integrability(equal, better, brightness, mask, seed)
     if face:
         found = _of_face(found, better, equal, mask)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.hayakawa import equalized, lights_of, linear_factors, middle_ranks
+from harmonicface.stereo.hayakawa import check_span, equalized, lights_of, linear_factors, middle_ranks
 from harmonicface.stereo.matte_refinement import refined
 from tests.stereo.lamp_scenes import angles, bumpy_ball, lamps
 
@@ -71,3 +71,12 @@ def test_black_photograph_is_refused():
     images[2] = 0
     with pytest.raises(HarmonicFaceError, match="image 2 without"):
         equalized(images)
+
+
+def test_lamps_in_a_plane_or_near_one_another_are_refused():
+    normals, truth = bumpy_ball()[0], lamps(20)
+    check_span(truth, normals)
+    coplanar = truth * [1, 0.05, 1]
+    for lights in (coplanar, lamps(20, widest=5), np.tile(truth[:1], (20, 1))):
+        with pytest.raises(HarmonicFaceError, match="near one another or near one plane"):
+            check_span(lights, normals)

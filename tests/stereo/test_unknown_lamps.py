@@ -8,6 +8,7 @@ from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.registration import register
 from harmonicface.stereo.robust import robust_normals
+from harmonicface.stereo.unknown_directions import unknown_directions
 from harmonicface.stereo.unknown_lamps import unknown_lamps
 from tests.stereo.lamp_scenes import angles, bumpy_ball, lamps
 
@@ -50,6 +51,13 @@ def test_a_cylinder_is_called_linear_or_open():
         assert "mixtures of two" in str(error)
     else:
         assert found.ambiguity.name != "none"
+
+
+@pytest.mark.parametrize("solve", [unknown_lamps, unknown_directions])
+def test_lamps_near_one_another_are_refused(solve):
+    images = lamps(20, widest=5) @ NORMALS.T
+    with pytest.raises(HarmonicFaceError, match="near one another"):
+        solve(images + np.random.default_rng(0).normal(0, 0.003, images.shape), MASK)
 
 
 def test_a_wall_is_refused():
