@@ -13,6 +13,7 @@ from harmonicface.stereo.hayakawa import check_span, lights_of, linear_factors, 
 from harmonicface.stereo.integrability import integrable_frame, integrable_rotation
 from harmonicface.stereo.lamps import Lamps, bulging, of_rim, solved_under
 from harmonicface.stereo.matte_refinement import Refined, refined
+from harmonicface.stereo.plane_of_lamps import check_plane
 
 Doubles = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -69,6 +70,7 @@ def unknown_directions(
     factors = linear_factors(observations, saturation)
     start = refined(observations, factors.lights, factors.scaled, factors.weights)
     check_span(start.lights, start.scaled)
+    check_plane(observations, start, factors.weights)
     lights, slant = _shape_first(observations, start, mask, seed)
     other = _lamps_first(start, mask, seed)
     if other and _inequality(lights) > WORSE * _inequality(other[0]) + SLACK:  # three more unknowns fit a little better

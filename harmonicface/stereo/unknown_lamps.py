@@ -16,6 +16,7 @@ from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame
 from harmonicface.stereo.lamps import Lamps, bulging, solved_under
 from harmonicface.stereo.matte_refinement import Refined, refined
+from harmonicface.stereo.plane_of_lamps import check_plane
 from harmonicface.stereo.result import Ambiguity
 from harmonicface.stereo.rim import DECIDED
 from harmonicface.stereo.unknown_directions import checked_inside
@@ -82,6 +83,7 @@ def unknown_lamps(
     factors = linear_factors(equal, saturation / brightness[:, None])
     better = refined(equal, factors.lights, factors.scaled, factors.weights)
     check_span(better.lights, better.scaled)
+    check_plane(equal, better, factors.weights)
     found = _by_integrability(equal, better, brightness, mask, seed)
     if face:
         found = _of_face(found, better, equal, mask)
