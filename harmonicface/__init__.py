@@ -26,6 +26,11 @@ from harmonicface.reflectance.filters import lambertian_filter
 from harmonicface.reflectance.materials import Microfacet, Phong
 from harmonicface.reflectance.microfacet import microfacet_filter
 from harmonicface.reflectance.phong import phong_filter
+from harmonicface.stereo.integration import integrate_normals
+from harmonicface.stereo.photometric_stereo import photometric_stereo
+from harmonicface.stereo.reconstruction import reconstruct
+from harmonicface.stereo.registration import Registration, register
+from harmonicface.stereo.result import Ambiguity, StereoResult
 from harmonicface.surfaces.depth import surface_from_depth
 from harmonicface.surfaces.load import load_surface, surface_from_normals
 from harmonicface.surfaces.operations import crop, decimate, resize
@@ -39,6 +44,7 @@ from harmonicface.surfaces.turning import turn
 __version__ = "0.1.0"
 
 __all__ = [
+    "Ambiguity",
     "Candidate",
     "EnvironmentMap",
     "FacePrior",
@@ -50,7 +56,9 @@ __all__ = [
     "Match",
     "Microfacet",
     "Phong",
+    "Registration",
     "SearchScores",
+    "StereoResult",
     "Subspace",
     "Surface",
     "Transport",
@@ -63,6 +71,7 @@ __all__ = [
     "harmonic_images",
     "ict_people",
     "ict_person",
+    "integrate_normals",
     "irradiance_map",
     "lambertian_filter",
     "lights",
@@ -70,10 +79,13 @@ __all__ = [
     "microfacet_filter",
     "phong_filter",
     "photograph",
+    "photometric_stereo",
     "read_depth_map",
     "read_image",
     "real_harmonics",
+    "reconstruct",
     "reflection_map",
+    "register",
     "relight",
     "render",
     "resize",
