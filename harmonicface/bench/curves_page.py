@@ -120,17 +120,17 @@ def _draw(axis: Axes, ordeal: Ordeal, points: Sequence[CurvePoint]) -> None:
 
 
 def _table(ordeal: Ordeal, points: Sequence[CurvePoint]) -> str:
-    """Return the figures of one ordeal: levels across, and people on whom no setting was chosen in brackets."""
+    """Return the figures of one ordeal, levels across, methods always in the same order."""
     own = [point for point in points if point.ordeal == ordeal.name]
     if not own:
         return ""
     levels = sorted({point.level for point in own})
     rows = []
-    for method in dict.fromkeys(point.method for point in own):
+    for method in dict.fromkeys(point.method for point in points):
         found = {point.level: point for point in own if point.method == method}
-        rows.append([method, *(_cell(found.get(level)) for level in levels)])
-    heads = [f"{ordeal.name}, {ordeal.unit}", *(ordeal.spell(level) for level in levels)]
-    return table(heads, rows, OURS) + "<p></p>"
+        rows += [[method, *(_cell(found.get(level)) for level in levels)]] if found else []
+    title = html.escape(f"{ordeal.name}, {ordeal.unit}")
+    return f"<h3>{title}</h3>" + table(["", *(ordeal.spell(level) for level in levels)], rows, OURS)
 
 
 def _lost(points: Sequence[CurvePoint]) -> str:
@@ -149,7 +149,12 @@ def _lost(points: Sequence[CurvePoint]) -> str:
 
 
 def _cell(point: CurvePoint | None) -> str:
+    """Return the error; of ours also that of people on whom no setting was chosen, in brackets."""
     if point is None:
         return "-"
-    unseen = point.error_unseen
-    return f"{100 * point.error.value:.1f}" + ("" if unseen is None else f" ({100 * unseen.value:.1f})")
+    unseen = point.error_unseen if point.method == OURS else None
+    return _percent(point.error.value) + ("" if unseen is None else f" ({_percent(unseen.value)})")
+
+
+def _percent(error: float) -> str:
+    return f"{100 * error:.1f}" if error else "0"
