@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.stereo import known_lights
+from harmonicface.stereo.bas_relief_cues import matrix_of
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.result import Ambiguity
 from harmonicface.stereo.rim import DECIDED, outward_slant
@@ -53,6 +54,17 @@ def bulging(lights: Doubles, scaled: Doubles, mask: Mask) -> tuple[Doubles, Doub
     if slant < 0:
         lights, scaled = lights * LEFT_RIGHT_UP_DOWN, scaled * LEFT_RIGHT_UP_DOWN
     return lights, scaled, abs(slant)
+
+
+def doubt_of(scaled: Doubles, deviations: Doubles) -> Doubles:
+    """Return the standard error in degrees that those of tilt and relief give to each normal."""
+    units = scaled / (np.linalg.norm(scaled, axis=1)[:, None] + 1e-300)
+    total = np.zeros(len(units))
+    for step in np.diag(deviations):
+        moved = units @ matrix_of(step).T
+        cosines = np.einsum("pk,pk->p", units, moved) / (np.linalg.norm(moved, axis=1) + 1e-300)
+        total += np.arccos(np.clip(cosines, -1, 1)) ** 2
+    return np.asarray(np.degrees(np.sqrt(total)))
 
 
 def of_rim(slant: float) -> Ambiguity:

@@ -47,9 +47,9 @@ def check_plane(observations: Floats, found: Refined, weights: Floats) -> None:
     two = _residual_of_two(seen, trust, least)
     if two < WORSE * three:
         raise HarmonicFaceError(
-            "images: expected unknown lamps from directions that span space on a surface curved both ways, got photographs"
-            f" that two factors explain nearly as well as three (residual {two / three:.2f} times as large, at least"
-            f" {WORSE:g}): lamps in one plane, or a cylinder"
+            "images: expected unknown lamps from directions that span space on a surface curved both ways, got"
+            f" photographs that two factors explain nearly as well as three (residual {two / three:.2f} times as"
+            f" large, at least {WORSE:g}): lamps in one plane, or a cylinder"
         )
 
 

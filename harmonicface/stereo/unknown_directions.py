@@ -10,8 +10,9 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.bas_relief import SPREAD, unit_frame
 from harmonicface.stereo.bas_relief_cues import equal_albedo, highlights, known_lamps, matrix_of, pooled
 from harmonicface.stereo.hayakawa import check_span, lights_of, linear_factors, middle_ranks
+from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame, integrable_rotation
-from harmonicface.stereo.lamps import Lamps, bulging, of_rim, solved_under
+from harmonicface.stereo.lamps import Lamps, bulging, doubt_of, of_rim, solved_under
 from harmonicface.stereo.matte_refinement import Refined, refined
 from harmonicface.stereo.plane_of_lamps import check_plane
 
@@ -71,14 +72,16 @@ def unknown_directions(
     start = refined(observations, factors.lights, factors.scaled, factors.weights)
     check_span(start.lights, start.scaled)
     check_plane(observations, start, factors.weights)
-    lights, slant = _shape_first(observations, start, mask, seed)
+    lights, slant, deviations = _shape_first(observations, start, mask, seed)
     other = _lamps_first(start, mask, seed)
     if other and _inequality(lights) > WORSE * _inequality(other[0]) + SLACK:  # three more unknowns fit a little better
         lights, slant = other
     lights = lights / np.linalg.norm(lights, axis=1)[:, None]
     if method == "robust":
         lights = _under_their_normals(observations, lights, saturation)
-    return Lamps(lights, solved_under(observations, lights, method, saturation), of_rim(slant))
+    found = solved_under(observations, lights, method, saturation)
+    confidence = np.hypot(found.confidence, doubt_of(found.scaled.astype(np.float64), deviations))
+    return Lamps(lights, Pixels(found.scaled, found.residual, confidence, found.used), of_rim(slant))
 
 
 def checked_inside(observations: Floats, mask: Mask) -> None:
@@ -93,14 +96,15 @@ def checked_inside(observations: Floats, mask: Mask) -> None:
         )
 
 
-def _shape_first(observations: Floats, start: Refined, mask: Mask, seed: int) -> tuple[Doubles, float]:
-    """Return lights and the rim's slant: integrable, then equal lamps, albedo and highlights pooled."""
+def _shape_first(observations: Floats, start: Refined, mask: Mask, seed: int) -> tuple[Doubles, float, Doubles]:
+    """Return lights, slant of the rim, errors of the relief: integrable, then all cues on the relief pooled."""
     frame = integrable_frame(start.scaled, mask, seed).matrix
     lights, scaled = start.lights @ np.linalg.inv(frame), start.scaled @ frame.T
     lights, scaled, slant = bulging(lights, scaled, mask)
     cues = [known_lamps(lights), equal_albedo(scaled, mask, seed)]
     cues.append(highlights(observations, lights, scaled, pooled(cues).relief, seed))
-    return lights @ np.linalg.inv(matrix_of(pooled(cues).relief)), slant
+    chosen = pooled(cues)
+    return lights @ np.linalg.inv(matrix_of(chosen.relief)), slant, chosen.deviations
 
 
 def _lamps_first(start: Refined, mask: Mask, seed: int) -> tuple[Doubles, float] | None:

@@ -14,7 +14,7 @@ from harmonicface.stereo.face_frame import find_mean_face
 from harmonicface.stereo.hayakawa import check_span, equalized, linear_factors
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame
-from harmonicface.stereo.lamps import Lamps, bulging, solved_under
+from harmonicface.stereo.lamps import Lamps, bulging, doubt_of, solved_under
 from harmonicface.stereo.matte_refinement import Refined, refined
 from harmonicface.stereo.plane_of_lamps import check_plane
 from harmonicface.stereo.result import Ambiguity
@@ -91,7 +91,7 @@ def unknown_lamps(
     unit = np.median(np.linalg.norm(lights, axis=1))
     lights = lights / unit
     pixels = solved_under(observations, lights, method, saturation)
-    doubt = _doubt(pixels.scaled.astype(np.float64), found.cue.deviations)
+    doubt = doubt_of(pixels.scaled.astype(np.float64), found.cue.deviations)
     confidence = np.hypot(pixels.confidence, doubt)
     return Lamps(
         lights,
@@ -139,17 +139,6 @@ def _of_face(found: _Upright, start: Refined, equal: Floats, mask: Mask) -> _Upr
         return _Upright(found.lights, found.scaled, cue, found.slant, found.gap)
     cue = Cue("the mean face", np.zeros(3), np.array(FACE_ERROR))
     return _Upright(start.lights @ np.linalg.inv(frame), scaled, cue, found.slant, found.gap)
-
-
-def _doubt(scaled: Doubles, deviations: Doubles) -> Doubles:
-    """Return the standard error in degrees that those of tilt and relief give to each normal."""
-    units = scaled / (np.linalg.norm(scaled, axis=1)[:, None] + 1e-300)
-    total = np.zeros(len(units))
-    for step in np.diag(deviations):
-        moved = units @ matrix_of(step).T
-        cosines = np.einsum("pk,pk->p", units, moved) / (np.linalg.norm(moved, axis=1) + 1e-300)
-        total += np.arccos(np.clip(cosines, -1, 1)) ** 2
-    return np.asarray(np.degrees(np.sqrt(total)))
 
 
 def _ambiguity(found: _Upright, doubt: float) -> Ambiguity:
