@@ -126,7 +126,9 @@ def yale_records(every: int, quick: bool) -> Iterator[Record]:
     gallery = Gallery()
     for face, chosen in zip(faces, frontal, strict=True):
         gallery.enroll(str(face.number), face.photographs[chosen], face.lights[chosen])
-    yield from found(gallery, [one for one in questions if one.subset <= 4][::3], occlusions(YALE_EYES, quick), size)
+    lit = [one for one in questions if one.subset <= 4][::3]
+    size = f"{len(faces)} people of Yale B 168x192, {len(lit)} photographs"
+    yield from found(gallery, lit, occlusions(YALE_EYES, quick), size)
 
 
 def found(gallery: Gallery, questions: Sequence[Question], hides: dict[str, Hide], size: str) -> Iterator[Record]:
@@ -149,7 +151,7 @@ def found(gallery: Gallery, questions: Sequence[Question], hides: dict[str, Hide
             error=100 * float(1 - np.mean(of_hidden)) if of_hidden else None,
             note="error: % of hidden pixels that are not in match.left_out; of the others "
             f"{100 * np.mean(of_face):.1f} % are (cast shadows, gloss, the neighbourhood); "
-            f"{len(questions)} photographs of subsets 2 to 4",
+            "subsets 2 to 4",
         )
 
 
