@@ -15,8 +15,8 @@ from harmonicface.gallery.calibration import Calibration, calibration
 from harmonicface.gallery.enrolment import Model
 from harmonicface.gallery.match import Match, SearchScores
 from harmonicface.gallery.roll import Roll
-from harmonicface.gallery.rule import DEFAULT_MARGIN, DEFAULT_SHORTLIST, Rule
-from harmonicface.gallery.storage import DEFAULT_MODEL
+from harmonicface.gallery.rule import DEFAULT_MARGIN, Rule
+from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
 from harmonicface.recognition.models import SUBSPACE_MODELS, harmonic9
 
 
@@ -204,6 +204,7 @@ class Gallery(Rule, Roll):
                 self.model,
                 self.threshold,
                 self.margin,
+                self.shortlist,
                 self._people.frame.mask,
                 self._people.rows,
                 dict(self._people.sources),
@@ -221,6 +222,6 @@ class Gallery(Rule, Roll):
             The file is missing, damaged, of another kind or of a version that this one does not know.
         """
         contents = storage.read(path)
-        gallery = cls(contents.model, contents.mask, contents.threshold, contents.margin)
+        gallery = cls(contents.model, contents.mask, contents.threshold, contents.margin, contents.shortlist)
         gallery._people.restore(contents.rows, contents.sources, contents.templates)
         return gallery

@@ -6,14 +6,13 @@ import numpy as np
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.storage import DEFAULT_MODEL
+from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
 from harmonicface.recognition.models import SUBSPACE_MODELS
 
 FARTHEST = 0.5  # beyond it a quarter of the photograph's energy is nobody's
 DEFAULT_THRESHOLD = 0.1
 DEFAULT_SCORE = 6.0
 DEFAULT_MARGIN = 4 / 3
-DEFAULT_SHORTLIST = 50
 
 
 class Rule:

@@ -23,6 +23,7 @@ FORMAT = "harmonicface gallery"
 VERSIONS = ("1", "2", "3")  # the first knew neither templates nor the default model
 OTHER_TEMPLATES = "2"  # its templates are of patterns that were not whitened: compared with today's they tell little
 DEFAULT_MODEL = "default"
+DEFAULT_SHORTLIST = 50  # also of files that do not say
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,7 @@ class Contents:
     model: str
     threshold: float
     margin: float
+    shortlist: int
     mask: NDArray[np.bool_]
     rows: StackedRows
     sources: dict[str, str]
@@ -53,6 +55,7 @@ def write(path: str | os.PathLike[str], contents: Contents) -> None:
         "model": contents.model,
         "threshold": contents.threshold,
         "margin": contents.margin,
+        "shortlist": contents.shortlist,
         "people": list(contents.sources.items()),
     }
     write_arrays(path, arrays, {"format": FORMAT, "version": VERSIONS[-1], "about": json.dumps(about)})
@@ -84,6 +87,7 @@ def read(path: str | os.PathLike[str]) -> Contents:
 
 def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Contents:
     """Put the parts together; any contradiction between them raises ValueError."""
+    about = {"shortlist": DEFAULT_SHORTLIST, **about}
     mask, rows, shapes = arrays["mask"], arrays["rows"], arrays["shapes"]
     sources = {str(name): str(source) for name, source in about["people"]}
     sizes = shapes[:, 0] * shapes[:, 1]
@@ -101,6 +105,8 @@ def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Content
         and 0 <= about["threshold"] < np.inf
         and (about["model"] == DEFAULT_MODEL or about["threshold"] <= 1)
         and about["margin"] >= 1
+        and type(about["shortlist"]) is int
+        and about["shortlist"] >= 2
         and bool(np.isfinite(arrays["to_coefficients"]).all())
         and bool(np.abs(np.einsum("np,np->n", rows, rows) - 1).max() < 1e-3)  # NaN fails too
     )
@@ -109,7 +115,9 @@ def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Content
     people = [matrix.reshape(shape) for matrix, shape in zip(matrices, shapes, strict=True)]
     templates = _templates(arrays, mask.shape, len(people)) if about["model"] == DEFAULT_MODEL else []
     stacked = StackedRows(rows, people)
-    return Contents(about["model"], about["threshold"], about["margin"], mask, stacked, sources, templates)
+    return Contents(
+        about["model"], about["threshold"], about["margin"], about["shortlist"], mask, stacked, sources, templates
+    )
 
 
 def _templates(arrays: dict[str, NDArray[Any]], shape: tuple[int, ...], count: int) -> list[Template]:

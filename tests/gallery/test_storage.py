@@ -27,7 +27,7 @@ def surface(seed: int) -> hf.Surface:
 def small_gallery() -> hf.Gallery:
     mask = np.ones(SHAPE, np.bool_)
     mask[0] = False
-    gallery = hf.Gallery("harmonic9", mask=mask, threshold=0.25, margin=1.5)
+    gallery = hf.Gallery("harmonic9", mask=mask, threshold=0.25, margin=1.5, shortlist=7)
     for seed, name in enumerate(["ada", 'emmy "E" n\u00f6ther', "\u2603"]):
         gallery.enroll(name, surface(seed))
     gallery.enroll("wall", hf.Surface(np.tile([0.0, 0.0, 1.0], (*SHAPE, 1)), np.ones(SHAPE)))
@@ -80,7 +80,7 @@ def test_an_opened_gallery_answers_the_same_bit_for_bit(tmp_path: Path, model: s
 def test_everything_about_a_gallery_comes_back(path: Path) -> None:
     gallery, opened = small_gallery(), hf.Gallery.open(path)
     assert opened.names == gallery.names
-    assert (opened.threshold, opened.margin, opened.model) == (0.25, 1.5, "harmonic9")
+    assert (opened.threshold, opened.margin, opened.shortlist, opened.model) == (0.25, 1.5, 7, "harmonic9")
     assert_array_equal(opened.mask, gallery.mask)
     same_answers(gallery, opened)
 
@@ -221,6 +221,9 @@ CONTRADICTIONS = {
     "a margin below one": say("margin", 0.5),
     "a margin of NaN": say("margin", float("nan")),
     "a margin of text": say("margin", "wide"),
+    "a shortlist of one": say("shortlist", 1),
+    "a shortlist of half a person": say("shortlist", 7.5),
+    "a shortlist of text": say("shortlist", "7"),
 }
 
 
@@ -249,6 +252,13 @@ def test_a_save_that_fails_leaves_the_old_file_and_no_other(path: Path, monkeypa
         gallery.save(path)
     assert path.read_bytes() == before
     assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_gallery_that_does_not_say_its_shortlist_has_the_usual_one(path: Path) -> None:
+    arrays, header = read_arrays(path)
+    about = {word: value for word, value in json.loads(header["about"]).items() if word != "shortlist"}
+    write_arrays(path, arrays, {**header, "about": json.dumps(about)})
+    assert hf.Gallery.open(path).shortlist == hf.Gallery().shortlist
 
 
 @pytest.mark.parametrize("version", ["1", "2"])
