@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+import harmonicface as hf
+from harmonicface.bench.yale_b import evaluate_yale_b
+
 PROJECT = Path(__file__).parents[1]
 PAGES = (PROJECT / "README.md", PROJECT / "docs" / "guide.md", PROJECT / "docs" / "theory.md")
 
@@ -55,3 +58,23 @@ def test_the_guide_names_what_there_is() -> None:
                 assert re.search(rf"^(def|class) {name}\b", file.read_text("utf-8"), re.MULTILINE), (
                     f"{room}.{module}.{name}"
                 )
+
+
+def test_the_guide_names_what_a_match_has() -> None:
+    row = next(line for line in PAGES[1].read_text("utf-8").splitlines() if "`hf.Match`:" in line)
+    names = re.findall(r"`(\w+)`", row)
+    assert len(names) > 4
+    assert not [name for name in names if name not in hf.Match.__dataclass_fields__ and not hasattr(hf.Match, name)]
+
+
+@pytest.mark.data
+def test_errors_on_real_photographs_are_those_of_the_command(data_dir: Path) -> None:
+    rows = {}
+    for line in PAGES[0].read_text("utf-8").partition("\nReal photographs, ")[2].partition("\n\n**")[0].splitlines():
+        name, *errors = line.replace("*", "").strip("| ").split(" | ")
+        if len(errors) == 5:
+            rows[name] = errors
+    quick = ["correlation", "eigenfaces", "eigenfaces_minus3", "fisherfaces", "linear3", "ambient4", "harmonic9"]
+    found = evaluate_yale_b(data_dir / "yaleb", range(1, 11), methods=quick).methods
+    for name in quick:
+        assert rows[name] == [f"{error:.2f}" for error in found[name].error_percent.values()], name
