@@ -47,7 +47,7 @@ def enroll(
         Path | None,
         typer.Option(
             help="Where the light of each of three or more photographs stood: a line x y z each.",
-            show_default="(unknown)",
+            show_default="unknown",
         ),
     ] = None,
     mask: Annotated[

@@ -65,7 +65,7 @@ class Calibration:
 
     def __str__(self) -> str:
         """Say it in two lines."""
-        growth = ", ".join(f"{100 * value:.2g} % with {people}" for people, value in self.expected.items())
+        growth = ", ".join(f"{100 * value:.3g} % with {people}" for people, value in self.expected.items())
         return (
             f"threshold {self.threshold:.3g} from {self.searches} searches by {self.strangers} people, "
             f"of which {self.seen} would name somebody\nexpected: {growth} people"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,7 @@ def test_the_threshold_is_set_and_told() -> None:
     for people, expected in found.expected.items():
         assert expected == pytest.approx(expected_fpir(found.fmr, people))
     assert "20 searches by 4 people" in str(found) and "with 4000 people" in str(found)
+    assert "100 % with 9 people" in str(replace(found, expected={4: 0.01, 9: 0.9999}))
 
 
 def test_everybody_is_left_out_of_her_own_searches() -> None:
