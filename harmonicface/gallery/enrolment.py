@@ -19,6 +19,7 @@ from harmonicface.recognition.patterns import Template
 from harmonicface.recognition.subspace import Subspace
 from harmonicface.stereo.calibrated import calibrated_stereo
 from harmonicface.stereo.motion import STILL
+from harmonicface.stereo.reconstruction import reconstruct
 from harmonicface.stereo.registration import register
 from harmonicface.surfaces.surface import Surface
 
@@ -43,11 +44,14 @@ class Model:
         How many photographs under unknown lights it needs.
     templates
         Whether it keeps templates of local patterns.
+    depth
+        Whether the Surface that stereo finds must have depth.
     """
 
     pictures_of: Callable[[Surface], Floats]
     fewest: int = FEWEST_PHOTOGRAPHS
     templates: bool = False
+    depth: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +81,7 @@ def enrolment_of(
         What the gallery makes of people.
     lights
         (n, 3) directions to the lights of n >= 3 photographs, times their strengths: the photographs are registered to
-        each other, and their stereo is the Surface.
+        each other, and their stereo is the Surface, its normals integrated if the model needs depth.
 
     Raises
     ------
@@ -98,7 +102,10 @@ def enrolment_of(
         pixels = pixels if together is grey else np.stack([photo[frame.mask] for photo in together])
         return _of_photographs(pixels, frame, model)
     registered = register(grey).photographs
-    surface = calibrated_stereo(registered, lights).surface
+    if model.depth:
+        surface = reconstruct(registered, lights, registered=True)
+    else:
+        surface = calibrated_stereo(registered, lights).surface
     return _of_surface(surface, frame, model, LIT, registered)
 
 

@@ -17,7 +17,7 @@ from harmonicface.gallery.match import Match, SearchScores
 from harmonicface.gallery.roll import Roll
 from harmonicface.gallery.rule import DEFAULT_MARGIN, Rule
 from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
-from harmonicface.recognition.models import SUBSPACE_MODELS, harmonic9
+from harmonicface.recognition.models import SUBSPACE_MODELS, WITH_DEPTH, harmonic9
 
 
 class Gallery(Rule, Roll):
@@ -77,7 +77,8 @@ class Gallery(Rule, Roll):
         shortlist: int = DEFAULT_SHORTLIST,
     ) -> None:
         Rule.__init__(self, model, threshold, margin, shortlist)
-        Roll.__init__(self, Model(harmonic9, 1, True) if self.by_score else Model(SUBSPACE_MODELS[model]), mask)
+        projection = None if self.by_score else Model(SUBSPACE_MODELS[model], depth=model in WITH_DEPTH)
+        Roll.__init__(self, projection or Model(harmonic9, fewest=1, templates=True), mask)
 
     def __repr__(self) -> str:
         known = self._people.known_frame

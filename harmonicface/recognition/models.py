@@ -40,6 +40,7 @@ SUBSPACE_MODELS: dict[str, Callable[[Surface], Floats]] = {
     "harmonic9": harmonic9,
     "harmonic_shadowed": harmonic_shadowed,
 }
+WITH_DEPTH = ("harmonic_shadowed",)  # what casts shadows
 
 
 def subspace_model(name: str) -> Callable[[Surface], Floats]:

@@ -10,10 +10,12 @@ import harmonicface as hf
 from harmonicface.gallery.enrolment import Model, enrolment_of
 from harmonicface.gallery.frame import Frame
 from harmonicface.recognition.models import harmonic9
+from harmonicface.stereo.reconstruction import reconstruct
 
 NINE = Model(harmonic9)
 DEFAULT = Model(harmonic9, 1, True)
 PERSON = hf.synthetic_person(4, 24)
+LAMPS = [[0.0, 0.0, 1.0], [0.4, 0.0, 0.9], [-0.4, 0.1, 0.9], [0.0, 0.45, 0.9], [0.1, -0.4, 0.9]]
 
 
 def angles(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
@@ -42,8 +44,7 @@ def test_photographs_span_themselves_up_to_nine_directions() -> None:
 def lit(right: int = 0, down: int = 0) -> np.ndarray:
     """Return photographs of somebody under five lamps, of which the first shows her at her place, the others moved."""
     person = hf.synthetic_person(1, (96, 84))
-    towards = [[0.0, 0.0, 1.0], [0.4, 0.0, 0.9], [-0.4, 0.1, 0.9], [0.0, 0.45, 0.9], [0.1, -0.4, 0.9]]
-    photos = [hf.render(person, hf.lights.directional(one)) for one in towards]
+    photos = [hf.render(person, hf.lights.directional(one)) for one in LAMPS]
     return np.stack([photos[0], *(np.roll(photo, (down, right), axis=(0, 1)) for photo in photos[1:])])
 
 
@@ -59,6 +60,16 @@ def test_photographs_that_show_a_person_at_different_places_are_registered() -> 
     ]
     assert max(alike) > 0.9
     assert enrolment_of(lit(6, -5), None, NINE).subspace.rank == 5  # a plain projection takes them as they are
+
+
+def test_cast_shadows_are_those_of_the_depth_that_lit_photographs_give() -> None:
+    gallery = hf.Gallery("harmonic_shadowed")
+    gallery.enroll("ada", lit(), LAMPS)
+    found = reconstruct(lit(), LAMPS)
+    expected = np.zeros((25, 96 * 84))
+    expected[:, found.mask.ravel()] = hf.harmonic_images(found, order=4, shadows=True)
+    assert gallery.source_of("ada") == "lit photographs"
+    np.testing.assert_allclose(gallery.pictures_of("ada").reshape(25, -1), expected, atol=1e-4)
 
 
 def test_photographs_at_about_one_place_and_those_without_anything_in_common_stay_as_they_are() -> None:
