@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from harmonicface._validate import Floats
 from harmonicface.datasets.diligent import DiligentObject, load_diligent
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.bad_images import find_bad_images
+from harmonicface.stereo.belonging import lamps_of_those_that_belong
 from harmonicface.stereo.least_squares import plain_least_squares
 from harmonicface.stereo.robust import robust_normals
 from harmonicface.stereo.semi_calibrated import semi_calibrated
@@ -70,61 +72,65 @@ class DiligentResult:
     failed: dict[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
-class _Case:
-    """An object, and which of its photographs belong."""
-
-    object: DiligentObject
-    kept: Mask
+LeftOut = dict[int, str]  # photographs that do not belong, by index, each with its reason
 
 
-def _least_squares(case: _Case) -> Floats:
+def _least_squares(known: DiligentObject) -> tuple[Floats, LeftOut]:
     """Woodham: all photographs, all pixels, nothing left out."""
-    return plain_least_squares(case.object.grey(), case.object.directions)
+    return plain_least_squares(known.grey(luminance=True), known.directions), {}
 
 
-def _robust(case: _Case) -> Floats:
+def _robust(known: DiligentObject) -> tuple[Floats, LeftOut]:
     """Known lamps; photographs that do not belong and saturated observations left out."""
-    known, kept = case.object, case.kept
-    return robust_normals(known.grey()[kept], known.directions[kept], usable=~known.saturated()[kept]).scaled
+    kept, left_out = _belonging(known)
+    return robust_normals(known.grey()[kept], known.directions[kept], usable=~known.saturated()[kept]).scaled, left_out
 
 
-def _semi_calibrated(case: _Case) -> Floats:
+def _semi_calibrated(known: DiligentObject) -> tuple[Floats, LeftOut]:
     """Known directions, brightness found from the photographs."""
-    known, kept = case.object, case.kept
+    kept, left_out = _belonging(known)
     observations, lamps, usable = known.grey(divided=False)[kept], known.directions[kept], ~known.saturated()[kept]
     brightness = semi_calibrated(observations, lamps, usable).values
-    return robust_normals(observations, lamps * brightness[:, None], usable=usable).scaled
+    return robust_normals(observations, lamps * brightness[:, None], usable=usable).scaled, left_out
 
 
-def _unknown_directions(case: _Case) -> Floats:
+def _unknown_directions(known: DiligentObject) -> tuple[Floats, LeftOut]:
     """Intensities divided out, directions found from the photographs."""
-    observations, ceiling = _with_ceiling(case, divided=True)
-    return unknown_directions(observations, case.object.mask, ceiling).pixels.scaled
+    observations, ceiling = _with_ceiling(known, divided=True)
+    find = partial(unknown_directions, mask=known.mask, saturation=ceiling)
+    lamps, left_out = lamps_of_those_that_belong(find, observations, ceiling)
+    return lamps.pixels.scaled, left_out
 
 
-def _unknown(case: _Case) -> Floats:
+def _unknown(known: DiligentObject) -> tuple[Floats, LeftOut]:
     """Nothing known but the photographs and the mask."""
-    observations, ceiling = _with_ceiling(case, divided=False)
-    return unknown_lamps(observations, case.object.mask, saturation=ceiling).pixels.scaled
+    observations, ceiling = _with_ceiling(known, divided=False)
+    find = partial(unknown_lamps, mask=known.mask, saturation=ceiling)
+    lamps, left_out = lamps_of_those_that_belong(find, observations, ceiling)
+    return lamps.pixels.scaled, left_out
 
 
-def _with_ceiling(case: _Case, *, divided: bool) -> tuple[Floats, float]:
+def _belonging(known: DiligentObject) -> tuple[Mask, LeftOut]:
+    """Return which photographs belong under the known lamps, and why others do not."""
+    bad = find_bad_images(known.grey(), known.directions, usable=~known.saturated())
+    return bad.kept(len(known.files)), bad.left_out
+
+
+def _with_ceiling(known: DiligentObject, *, divided: bool) -> tuple[Floats, float]:
     """Return grey levels in which saturated ones stand at a common ceiling, and the ceiling."""
-    observations = case.object.grey(divided=divided)
+    observations = known.grey(divided=divided)
     ceiling = float(observations.max()) * 1.001
-    observations[case.object.saturated()] = ceiling
+    observations[known.saturated()] = ceiling
     return observations, ceiling
 
 
-METHODS: dict[str, Callable[[_Case], Floats]] = {
+METHODS: dict[str, Callable[[DiligentObject], tuple[Floats, LeftOut]]] = {
     "least_squares": _least_squares,
     "robust": _robust,
     "semi_calibrated": _semi_calibrated,
     "unknown_directions": _unknown_directions,
     "unknown": _unknown,
 }
-LEAVING_OUT = ("robust", "semi_calibrated")
 
 
 def evaluate_diligent(
@@ -147,8 +153,8 @@ def evaluate_diligent(
     Returns
     -------
     DiligentResult
-        Photographs that do not belong to the others are looked for with known lamps, before "robust" and
-        "semi_calibrated", and not used by these two.
+        All but "least_squares" find photographs that do not belong to the others, under the lamps that they know or
+        find themselves, and leave them out.
 
     Raises
     ------
@@ -161,26 +167,22 @@ def evaluate_diligent(
     tell("photographs", 0, 1)
     known = load_diligent(folder)
     tell("photographs", 1, 1)
-    start = time.perf_counter()
-    bad = find_bad_images(known.grey(), known.directions, usable=~known.saturated())
-    looking = time.perf_counter() - start
-    case = _Case(known, bad.kept(len(known.files)))
     found: dict[str, MethodResult] = {}
     failed: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for done, name in enumerate(methods):
         tell("methods", done, len(methods))
         start = time.perf_counter()
         try:
-            scaled = METHODS[name](case)
+            scaled, left_out = METHODS[name](known)
         except HarmonicFaceError as error:
             failed[name] = str(error)
             continue
+        seconds = time.perf_counter() - start
         angles = angular_errors(scaled, known.normals)
-        seconds = time.perf_counter() - start + (looking if name in LEAVING_OUT else 0)
-        left = tuple(sorted(bad.left_out)) if name in LEAVING_OUT else ()
-        found[name] = MethodResult(float(angles.mean()), float(np.median(angles)), seconds, left)
+        found[name] = MethodResult(float(angles.mean()), float(np.median(angles)), seconds, tuple(sorted(left_out)))
+        reasons |= {known.files[index].name: reason for index, reason in left_out.items()}
     tell("methods", len(methods), len(methods))
-    reasons = {known.files[index].name: reason for index, reason in bad.left_out.items()}
     measured = int(known.normals.any(axis=1).sum())
     return DiligentResult(known.name, len(known.files), measured, found, reasons, failed)
 

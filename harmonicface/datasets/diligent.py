@@ -49,20 +49,23 @@ class DiligentObject:
     normals: NDArray[np.float64]
     files: tuple[Path, ...]
 
-    def grey(self, *, divided: bool = True) -> NDArray[np.float32]:
-        """Return the grey level of each pixel: the luminance of its three colours.
+    def grey(self, *, divided: bool = True, luminance: bool = False) -> NDArray[np.float32]:
+        """Return the grey level of each pixel: the mean of its three colours, as of other photographs in stereo.
 
         Parameters
         ----------
         divided
             By the brightness of the lamp, colour by colour, as where it is known; False leaves it in.
+        luminance
+            Weigh colours as the published figures do.
 
         Returns
         -------
         array
             (n, p) float32, of at least 0.
         """
-        weights = LUMINANCE / self.intensities if divided else np.tile(LUMINANCE, (len(self.pixels), 1))
+        share = LUMINANCE if luminance else np.full(3, 1 / 3)
+        weights = share / self.intensities if divided else np.tile(share, (len(self.pixels), 1))
         return np.stack([image @ weight for image, weight in zip(self.pixels, weights.astype(np.float32), strict=True)])
 
     def saturated(self) -> NDArray[np.bool_]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -12,11 +13,14 @@ from harmonicface.appearance.basis import harmonic_images
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import order_of
 from harmonicface.stereo import known_lights
+from harmonicface.stereo.belonging import lamps_of_those_that_belong
 from harmonicface.stereo.factors import leading_factors
 from harmonicface.stereo.general_unknown_light import general_light_stereo
 from harmonicface.stereo.given_lights import Found
 from harmonicface.stereo.in_blocks import Pixels, Stack, solved
 from harmonicface.stereo.light_model import choose_light_model
+from harmonicface.stereo.misfit import model_misfit
+from harmonicface.stereo.relief_doubt import stated_doubt
 from harmonicface.stereo.unknown_directions import unknown_directions
 from harmonicface.stereo.unknown_lamps import unknown_lamps
 from harmonicface.surfaces.surface import Surface
@@ -59,8 +63,9 @@ def find_lights(
     else:
         name, reason = _model(observations, coarse, model)
         if name == "linear3":
-            lamps = unknown_lamps(observations, coarse.mask, face=face, saturation=stack.saturation)
-            found = Found(lamps.lights, lamps.pixels, "linear3", reason, lamps.ambiguity, {})
+            find = partial(unknown_lamps, mask=coarse.mask, face=face, saturation=stack.saturation)
+            lamps, strangers = lamps_of_those_that_belong(find, observations, stack.saturation)
+            found = Found(lamps.lights, lamps.pixels, "linear3", reason, lamps.ambiguity, strangers)
         else:
             found = _under_general_light(observations, coarse, name, reason, face)
     tell("lights", 1, 1)
@@ -86,11 +91,12 @@ def _of_known_brightness(observations: Floats, stack: Stack, model: str, brightn
     saturated = observations >= stack.saturation
     highest = float(even.max()) * (1 + 1e-3)
     even[saturated] = highest  # each photograph's own ceiling has become another one
-    lamps = unknown_directions(even, stack.mask, highest)
+    find = partial(unknown_directions, mask=stack.mask, saturation=highest)
+    lamps, strangers = lamps_of_those_that_belong(find, even, highest)
     lights = lamps.lights * brightness[:, None]
     reason = "the intensities of distant lamps were given"
     pixels = replace(lamps.pixels, residual=lamps.pixels.residual * np.median(brightness))
-    return Found(lights, pixels, "linear3", reason, lamps.ambiguity, {})
+    return Found(lights, pixels, "linear3", reason, lamps.ambiguity, strangers)
 
 
 def _under_general_light(observations: Floats, stack: Stack, model: str, reason: str, face: bool) -> Found:
@@ -104,8 +110,9 @@ def _under_general_light(observations: Floats, stack: Stack, model: str, reason:
     lights = np.linalg.lstsq(images.T, observations.T.astype(np.float64), rcond=None)[0].T
     residual = np.sqrt(np.mean((observations - lights @ images) ** 2, axis=0))
     used = np.full(observations.shape[1], len(observations), np.int32)
-    pixels = Pixels(found.scaled, residual, found.confidence, used)
-    return Found(lights, pixels, found.model, reason, found.ambiguity, {})
+    confidence = np.hypot(found.confidence, stated_doubt(found.scaled, found.ambiguity.parameters))
+    pixels = Pixels(found.scaled, residual, confidence, used)
+    return Found(lights, pixels, found.model, reason, found.ambiguity, found.left_out)
 
 
 def _finer_linear(stack: Stack, found: Found, method: str, observations: Floats, tell: Tell) -> Pixels:
@@ -128,8 +135,16 @@ def _finer_linear(stack: Stack, found: Found, method: str, observations: Floats,
 def _finer(stack: Stack, found: Found, method: str, observations: Floats, tell: Tell) -> Pixels:
     """Return all pixels under the lights that were found."""
     kept = [index for index in range(len(stack)) if index not in found.left_out]
+    lights = found.lights[kept]
 
-    def solve(observations: Floats) -> Pixels:
-        return known_lights.solve(observations[kept], found.lights[kept], method, stack.saturation)
+    def solve_under(seen: Floats, lamps: Floats) -> Pixels:
+        return known_lights.solve(seen, lamps, method, stack.saturation)
+
+    misfit = model_misfit(observations[kept], lights, solve_under)
+
+    def solve(block: Floats) -> Pixels:
+        pixels = solve_under(block[kept], lights)
+        doubt = np.hypot(misfit, stated_doubt(pixels.scaled, found.ambiguity.parameters))
+        return replace(pixels, confidence=np.hypot(pixels.confidence, doubt))
 
     return solved(stack, solve, lambda done, of: tell("normals", done, of))
