@@ -10,8 +10,8 @@ from harmonicface.stereo.lamps import Lamps
 from harmonicface.stereo.result import Ambiguity
 
 GENERATOR = np.random.default_rng(0)
-LIGHTS = GENERATOR.normal(size=(24, 3)) + [0, 0, 3]
-SCALED = GENERATOR.normal(size=(300, 3)) + [0, 0, 3]
+LIGHTS = GENERATOR.normal((0, 0, 3), 1, (24, 3))
+SCALED = GENERATOR.normal((0, 0, 3), 1, (300, 3))
 PHOTOGRAPHS = np.maximum(LIGHTS @ SCALED.T, 0)
 
 
