@@ -16,7 +16,7 @@ from harmonicface.bench.page import definitions, encoded, image, page, table
 from harmonicface.bench.published import explained, published
 from harmonicface.bench.table import published_table, yale_table
 from harmonicface.bench.yale_plots import OURS, by_error, overall, subsets_picture, time_picture
-from harmonicface.bench.yale_protocols import CHOSEN_ON, published_size, yale_protocol
+from harmonicface.bench.yale_protocols import CHOSEN_ON, yale_protocol
 from harmonicface.bench.yale_result import Query, YaleResult, as_json
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
@@ -162,7 +162,7 @@ def _published(result: YaleResult) -> str:
     heads, rows = published_table(result)
     if not rows:
         return ""
-    same = "on the same photographs" if published_size(result.people, result.n) else "on other photographs than ours"
+    same = "on the same photographs" if result.as_published else "on other photographs than ours"
     sources: dict[str, list[str]] = {}
     for row in published(result.train):
         sources.setdefault(row.source, []).append(row.name)
@@ -173,13 +173,13 @@ def _published(result: YaleResult) -> str:
         f"<p>In %, with 95 % intervals of Clopper &amp; Pearson; the published ones {same}. "
         "“as many”: ours lies in the interval of the published error. Ours is the same method; beside methods that "
         f"the package does not have, it is {OURS}.</p>"
-        f"{table(heads, rows)}{_differences(result.train, rows)}<p>{html.escape(told)}</p>"
+        f"{table(heads, rows)}{_differences(result, rows)}<p>{html.escape(told)}</p>"
     )
 
 
-def _differences(train: str, rows: list[list[str]]) -> str:
-    """Say why errors differ from the published ones, if they do."""
-    found = explained(train, rows)
+def _differences(result: YaleResult, rows: list[list[str]]) -> str:
+    """Say why errors on the published photographs differ from the published ones, if they do."""
+    found = explained(result.train, rows) if result.as_published else {}
     return f"<p>Why some differ:</p>{definitions(found)}" if found else ""
 
 

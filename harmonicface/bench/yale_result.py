@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.bench.degradation import Picture
-from harmonicface.bench.yale_protocols import CHOSEN_ON, PUBLISHED_SUBSETS, SUBSETS
+from harmonicface.bench.yale_protocols import CHOSEN_ON, PUBLISHED_SUBSETS, SUBSETS, published_size
 from harmonicface.recognition.intervals import Rate, rate
 
 TOTALS = {"1-4": PUBLISHED_SUBSETS, "1-5": SUBSETS}
@@ -158,6 +158,11 @@ class YaleResult:
     jpeg: int | None = None
     splits: int = 1
     left_out: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def as_published(self) -> bool:
+        """Whether these are the photographs of the published tables, as they are."""
+        return published_size(self.people, self.n) and not self.noise and self.jpeg is None
 
 
 def as_json(result: YaleResult) -> dict[str, object]:

@@ -19,7 +19,7 @@ from harmonicface.bench.report import results, write_report
 from harmonicface.bench.table import cost_table, enrolment_table, error_table, margin_table, published_table, yale_table
 from harmonicface.bench.yale_b import evaluate_yale_b
 from harmonicface.bench.yale_contenders import YALE_METHODS
-from harmonicface.bench.yale_protocols import PROTOCOLS, published_size
+from harmonicface.bench.yale_protocols import PROTOCOLS
 from harmonicface.bench.yale_report import write_yale_report
 from harmonicface.bench.yale_result import YaleResult, as_json
 from harmonicface.commands.options import AsJson, make_folder
@@ -111,9 +111,9 @@ def _print_yale(result: YaleResult) -> None:
     print_table(f"Wrong answers by subset, %, trained on {result.train}; ms a photograph", *yale_table(result))
     heads, rows = published_table(result)
     if rows:
-        size = "the same photographs" if published_size(result.people, result.n) else "other photographs than ours"
+        size = "the same photographs" if result.as_published else "other photographs than ours"
         print_table(f"Published beside ours, % with 95 % intervals ({size})", heads, rows)
-        for name, reason in explained(result.train, rows).items():
+        for name, reason in explained(result.train, rows).items() if result.as_published else ():
             typer.echo(f"{name}: {reason}")
 
 

@@ -52,6 +52,18 @@ def test_the_page_holds_everything(result: YaleResult, tmp_path: Path) -> None:
     assert "processor" in found["machine"]
 
 
+def test_why_errors_differ_is_said_of_the_published_photographs_alone(tmp_path: Path) -> None:
+    counts = {"1": 70, "2": 120, "3": 120, "4": 140, "5": 190}
+    none = dict.fromkeys(counts, 0)
+    correlation = YaleMethod(dict.fromkeys(counts, 0.0), 1.0, none, counts)
+    whole = YaleResult("yale-b", "subset1", list(range(1, 11)), counts, {"correlation": correlation})
+    text = write_yale_report(whole, tmp_path).read_text(encoding="utf-8")
+    assert "on the same photographs" in text and "Why some differ" in text
+    for changed in ({"noise": 0.01}, {"jpeg": 50}, {"people": [*range(1, 10), 11]}):
+        text = write_yale_report(replace(whole, **changed), tmp_path).read_text(encoding="utf-8")
+        assert "on other photographs than ours" in text and "Why some differ" not in text
+
+
 def test_photographs_that_were_missed_are_shown(result: YaleResult, tmp_path: Path) -> None:
     answers = result.methods["default"].answers
     assert answers is not None
