@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -16,6 +16,8 @@ from harmonicface.stereo import known_lights
 from harmonicface.stereo.bad_images import find_bad_images
 from harmonicface.stereo.general_light import general_light_normals, light_coefficients
 from harmonicface.stereo.in_blocks import Pixels, Stack, solved
+from harmonicface.stereo.known_lights import check_span
+from harmonicface.stereo.misfit import model_misfit
 from harmonicface.stereo.result import Ambiguity, Model
 from harmonicface.stereo.semi_calibrated import semi_calibrated
 
@@ -62,28 +64,36 @@ def under_lamps(stack: Stack, lights: Floats, method: str, semi: bool, tell: Tel
         Whether the brightness of the lamps is to be found.
     tell
         Is told what is being done.
+
+    Raises
+    ------
+    HarmonicFaceError
+        Lamps that do not span space, or hardly.
     """
+    check_span(lights)
     reason, left_out = "the directions of distant lamps were given", dict[int, str]()
-    if semi or method == "robust":
-        coarse, _ = stack.reduced(ASKED)
-        observations = np.concatenate(list(coarse.blocks()), axis=1)
-        if semi:
-            found = semi_calibrated(observations, lights, observations < stack.saturation)
-            lights = lights * found.values[:, None]
-            error = 100 * float(np.median(found.error))
-            reason += f", their brightness was found, to {error:.2g} %"
-        if method == "robust":
-            tell("photographs that do not belong", 0, 1)
-            left_out = find_bad_images(observations, lights, stack.saturation).left_out
-            tell("photographs that do not belong", 1, 1)
+    coarse, _ = stack.reduced(ASKED)
+    observations = np.concatenate(list(coarse.blocks()), axis=1)
+    if semi:
+        found = semi_calibrated(observations, lights, observations < stack.saturation)
+        lights = lights * found.values[:, None]
+        error = 100 * float(np.median(found.error))
+        reason += f", their brightness was found, to {error:.2g} %"
+    if method == "robust":
+        tell("photographs that do not belong", 0, 1)
+        left_out = find_bad_images(observations, lights, stack.saturation).left_out
+        tell("photographs that do not belong", 1, 1)
     kept = np.array([index for index in range(len(stack)) if index not in left_out])
 
-    def solve(observations: Floats) -> Pixels:
-        return known_lights.solve(
-            observations[kept] if left_out else observations, lights[kept], method, stack.saturation
-        )
+    def solve_under(seen: Floats, lamps: Floats) -> Pixels:
+        return known_lights.solve(seen, lamps, method, stack.saturation)
+
+    def solve(seen: Floats) -> Pixels:
+        return solve_under(seen[kept] if left_out else seen, lights[kept])
 
     pixels = solved(stack, solve, lambda done, of: tell("normals", done, of))
+    misfit = np.float32(model_misfit(observations[kept], lights[kept], solve_under))
+    pixels = replace(pixels, confidence=np.hypot(pixels.confidence, misfit))
     told = lights.copy()
     told[list(left_out)] = np.nan
     return Found(told, pixels, "linear3", reason, Ambiguity("none", "the lights are known"), left_out)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from harmonicface._validate import Floats
 from harmonicface.stereo import known_lights
 from harmonicface.stereo.bas_relief_cues import matrix_of
 from harmonicface.stereo.in_blocks import Pixels
+from harmonicface.stereo.misfit import model_misfit
 from harmonicface.stereo.result import Ambiguity
 from harmonicface.stereo.rim import DECIDED, outward_slant
 from harmonicface.stereo.robust import robust_normals
@@ -46,6 +47,16 @@ def solved_under(observations: Floats, lights: Doubles, method: str, saturation:
     return known_lights.solve(observations, lights, method, saturation)
 
 
+def stated_under(observations: Floats, lights: Doubles, method: str, saturation: float) -> Pixels:
+    """Solve (n, p) observations as `solved_under`, and add to the standard errors what the model's misfit does."""
+
+    def solve(seen: Floats, lamps: Floats) -> Pixels:
+        return solved_under(seen, lamps.astype(np.float64), method, saturation)
+
+    pixels = solve(observations, lights)
+    return replace(pixels, confidence=np.hypot(pixels.confidence, model_misfit(observations, lights, solve)))
+
+
 def bulging(lights: Doubles, scaled: Doubles, mask: Mask) -> tuple[Doubles, Doubles, float]:
     """Turn a surface right side out: facing the camera, and its rim facing outward; return its outward slant too."""
     if scaled[:, 2].sum() < 0:
@@ -67,9 +78,12 @@ def doubt_of(scaled: Doubles, deviations: Doubles) -> Doubles:
     return np.asarray(np.degrees(np.sqrt(total)))
 
 
-def of_rim(slant: float) -> Ambiguity:
-    """Return what is open when only the rim told convex from concave."""
+def of_rim(slant: float, deviations: Doubles | None = None) -> Ambiguity:
+    """Return what is open when only the rim told convex from concave, and the errors of the relief."""
     parameters = {"outward_slant": slant}
+    if deviations is not None:
+        mu, nu, stretch = (float(each) for each in deviations)
+        parameters |= {"mu_std": mu, "nu_std": nu, "lambda_std": float(np.expm1(stretch))}
     if slant < DECIDED:
         reason = f"the rim points outward by a sine of {slant:.2f} only, so it may as well be the mirror image in depth"
         return Ambiguity("convex-concave", reason, parameters)

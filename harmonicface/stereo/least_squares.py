@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface._validate import Floats
 
 _ROWS, _COLUMNS = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])  # upper triangle of a symmetric matrix
+UNKNOWNS = 3  # of a pixel: albedo times normal
+POOLED = 4  # photographs: what the noise of all pixels counts for against a pixel's own
 _BLOCK = 1 << 11  # pixels at a time: read once from memory, and twice more from the processor's cache
 _SINGULAR = 1e-12  # of the determinant over the cube of the trace: beyond what float64 resolves
 
@@ -97,3 +101,36 @@ def scaled_normals(
     brightness = np.sqrt(products[:, [0, 3, 5]].sum() / len(lights))
     gain = np.where(regular, np.sqrt(np.maximum(diagonal.sum(axis=0) * inverse, 0.0)) * brightness, np.inf)
     return scaled, gain
+
+
+def noise_of(residual: Floats, used: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
+    """Return the standard deviation of each pixel's noise, from what is left of its photographs after three unknowns.
+
+    One photograph more than unknowns says next to nothing of one pixel's noise, so the median of all pixels counts
+    as four photographs more; of a pixel of three photographs it is all there is.
+
+    Parameters
+    ----------
+    residual
+        (p,) root mean square over the photographs that were used.
+    used
+        (p,) how many were.
+
+    Returns
+    -------
+    array
+        (p,); infinite where no pixel has more than three photographs.
+
+    Examples
+    --------
+    >>> noise_of(np.array([0.1, 0.1, 0.0]), np.array([12, 12, 3])).round(3)
+    array([0.117, 0.117, 0.12 ])
+    """
+    freedom = np.maximum(used - UNKNOWNS, 0)
+    some = freedom > 0
+    if not some.any():
+        return np.full(len(used), np.inf)
+    squares = np.asarray(residual, np.float64) ** 2 * used
+    free = freedom[some]
+    usual = float(np.median(squares[some] / free / (1 - 2 / (9 * free)) ** 3))  # the median of chi^2 is below its mean
+    return np.asarray(np.sqrt((squares * some + POOLED * usual) / (freedom + POOLED)))

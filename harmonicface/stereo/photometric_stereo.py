@@ -124,7 +124,7 @@ def photometric_stereo(
     else:
         _enough(len(array), "linear3")
         found = under_general_light(stack, lights, model, tell)
-    factors = leading_factors(_told(stack, tell), UNKNOWNS[found.model])
+    factors = leading_factors(_told(stack, tell), min(UNKNOWNS[found.model], len(array)))
     surface = _surface(found.pixels, inside, pixel_size, integration, intrinsics, distance, tell)
     result = StereoResult(
         surface=surface,

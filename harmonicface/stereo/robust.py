@@ -12,7 +12,7 @@ from harmonicface._validate import Floats
 from harmonicface.stereo.calibrated import lit_least_squares
 from harmonicface.stereo.glossy import Lamps, before_the_camera, shading
 from harmonicface.stereo.in_blocks import Pixels
-from harmonicface.stereo.least_squares import scaled_normals
+from harmonicface.stereo.least_squares import noise_of, scaled_normals
 from harmonicface.stereo.mixtures import FEWEST, Mixtures
 
 MIDDLE = (0.3, 0.7)  # ranks among a pixel's observations that neither a shadow nor a highlight reaches
@@ -184,10 +184,7 @@ def _albedo(seen: Doubles, directions: Doubles, middle: Mask, normals: Doubles) 
 def matte_error(scaled: Doubles, directions: Doubles, residual: Doubles, used: NDArray[Any]) -> Doubles:
     """Return the standard error in degrees of normals by least squares over the lamps before the surface."""
     gain = scaled_normals(np.zeros((len(directions), len(scaled))), directions, directions @ scaled.T > 0)[1]
-    free = used > 3
-    noise = np.where(free, residual * np.sqrt(used / np.where(free, used - 3, 1)), np.inf)
-    if free.any():
-        noise[~free] = np.median(noise[free])
+    noise = noise_of(residual, used)
     albedo = np.linalg.norm(scaled, axis=1)
     known = (albedo > 0) & np.isfinite(gain) & np.isfinite(noise)
     error = np.full(len(scaled), np.inf)

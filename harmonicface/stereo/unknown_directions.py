@@ -12,7 +12,7 @@ from harmonicface.stereo.bas_relief_cues import equal_albedo, highlights, known_
 from harmonicface.stereo.hayakawa import check_span, lights_of, linear_factors, middle_ranks
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame, integrable_rotation
-from harmonicface.stereo.lamps import Lamps, bulging, doubt_of, of_rim, solved_under
+from harmonicface.stereo.lamps import Lamps, bulging, doubt_of, of_rim, solved_under, stated_under
 from harmonicface.stereo.matte_refinement import Refined, refined
 from harmonicface.stereo.plane_of_lamps import check_plane
 
@@ -76,12 +76,17 @@ def unknown_directions(
     other = _lamps_first(start, mask, seed)
     if other and _inequality(lights) > WORSE * _inequality(other[0]) + SLACK:  # three more unknowns fit a little better
         lights, slant = other
-    lights = lights / np.linalg.norm(lights, axis=1)[:, None]
+    lengths = np.linalg.norm(lights, axis=1)
+    if not (np.isfinite(lengths) & (lengths > 0)).all():
+        raise HarmonicFaceError(
+            "intensities: expected those of the lamps, got some with which no directions explain the photographs"
+        )
+    lights = lights / lengths[:, None]
     if method == "robust":
         lights = _under_their_normals(observations, lights, saturation)
-    found = solved_under(observations, lights, method, saturation)
+    found = stated_under(observations, lights, method, saturation)
     confidence = np.hypot(found.confidence, doubt_of(found.scaled.astype(np.float64), deviations))
-    return Lamps(lights, Pixels(found.scaled, found.residual, confidence, found.used), of_rim(slant))
+    return Lamps(lights, Pixels(found.scaled, found.residual, confidence, found.used), of_rim(slant, deviations))
 
 
 def checked_inside(observations: Floats, mask: Mask) -> None:

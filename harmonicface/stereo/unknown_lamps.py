@@ -14,7 +14,7 @@ from harmonicface.stereo.face_frame import find_mean_face
 from harmonicface.stereo.hayakawa import check_span, equalized, linear_factors
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.integrability import integrable_frame
-from harmonicface.stereo.lamps import Lamps, bulging, doubt_of, solved_under
+from harmonicface.stereo.lamps import Lamps, bulging, doubt_of, stated_under
 from harmonicface.stereo.matte_refinement import Refined, refined
 from harmonicface.stereo.plane_of_lamps import check_plane
 from harmonicface.stereo.result import Ambiguity
@@ -27,7 +27,8 @@ Mask = NDArray[np.bool_]
 RESOLVED = 5.0  # degrees: the error that tilt and relief leave in the median normal, below which they count as told
 ALIKE = 1.25  # of the angle to the mean face that it takes at best: within, integrability is to be trusted more
 FACE_ERROR = (0.1, 0.1, 0.15)  # of tilt and relief: how far people are from the mean face
-OPEN = 1.0  # of the frame's gap: below, the curl tells less than its own noise
+OPEN = 8.0  # of the frame's gap: below, noise, motion or a plain shape leave the frame open
+OPENEST = 0.4  # of the gap: below, any frame is as good, which 90 degrees say
 
 
 def unknown_lamps(
@@ -90,9 +91,9 @@ def unknown_lamps(
     lights = found.lights * brightness[:, None]
     unit = np.median(np.linalg.norm(lights, axis=1))
     lights = lights / unit
-    pixels = solved_under(observations, lights, method, saturation)
+    pixels = stated_under(observations, lights, method, saturation)
     doubt = doubt_of(pixels.scaled.astype(np.float64), found.cue.deviations)
-    confidence = np.hypot(pixels.confidence, doubt)
+    confidence = np.hypot(np.hypot(pixels.confidence, doubt), _frame_doubt(found.gap))
     return Lamps(
         lights,
         Pixels(pixels.scaled, pixels.residual, confidence, pixels.used),
@@ -141,6 +142,14 @@ def _of_face(found: _Upright, start: Refined, equal: Floats, mask: Mask) -> _Upr
     return _Upright(start.lights @ np.linalg.inv(frame), scaled, cue, found.slant, found.gap)
 
 
+def _frame_doubt(gap: float) -> float:
+    """Return the standard error in degrees of a frame that integrability hardly tells, 0 of one that it does.
+
+    A step s off the frame adds s^2 gap times the curl that is there, so a step of 1 / sqrt(gap) doubles it.
+    """
+    return 0.0 if gap >= OPEN else float(np.degrees(1 / np.sqrt(max(gap, OPENEST))))
+
+
 def _ambiguity(found: _Upright, doubt: float) -> Ambiguity:
     """Name what is open after the cues have been pooled."""
     mu, nu, stretch = found.cue.deviations
@@ -149,7 +158,10 @@ def _ambiguity(found: _Upright, doubt: float) -> Ambiguity:
     parameters |= {"outward_slant": found.slant, "frame_gap": found.gap}
     told = f"tilt and relief are from {found.cue.name}, to {doubt:.1f} degrees"
     if found.gap < OPEN:
-        reason = "the surface is too plain for integrability to tell its frame (a cylinder, or nearly flat)"
+        reason = (
+            f"integrability hardly tells the surface's frame (gap {found.gap:.2g}, of {OPEN:g}): it is plain (a"
+            " cylinder, nearly flat), or the photographs are few, moved, or not all of it"
+        )
         return Ambiguity("linear", reason, parameters)
     if doubt > RESOLVED:
         return Ambiguity("bas-relief", told, parameters)
