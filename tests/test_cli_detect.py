@@ -65,7 +65,7 @@ def test_people_are_enrolled_and_matched_where_they_are_found(run: Run) -> None:
     code, out, _ = run("match", "people.gallery", "query.jpg", "--detect", "--json")
     assert code == 0
     (found,) = json.loads(out)["matches"]
-    assert found["candidates"][0]["name"] == "ada"
+    assert (found["name"], found["source"]) == ("ada", "photographs")
     middle = [found["face"][corner] + found["face"]["side"] / 2 for corner in ("left", "top")]
     np.testing.assert_allclose(middle, [132, 96], atol=10)
     code, out, _ = run("match", "people.gallery", "query.png", "--detect")

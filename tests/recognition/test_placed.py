@@ -78,7 +78,7 @@ def test_of_many_people_too() -> None:
     templates = [Template.of([patterns(skin(seed))]) for seed in range(3 * LEADERS)]
     found = placed(patterns(shown(skin(2 * LEADERS + 1), Placement(5, -3, 4, 0.03))), templates)
     assert found.index == 2 * LEADERS + 1
-    assert_allclose([found.placement.turn, found.placement.growth], [4, 0.03], atol=0.4)
+    assert_allclose([found.placement.turn, 100 * found.placement.growth], [4, 3], atol=0.4)
 
 
 def test_known_to_be_near_a_shift() -> None:
