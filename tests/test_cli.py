@@ -129,7 +129,9 @@ def test_enrolling_and_matching(run: Run, folder: Path, people: Path) -> None:
     assert (answer.code, answer.err) == (0, "")
     lines = answer.out.splitlines()
     assert lines[0].startswith(f"{folder / 'ada1.png'}: ada (")
-    assert [line.split()[1] for line in lines[1:3]] == ["ada", "emmy"]
+    (score, distance, name), (next_score, _, next_name) = (line.split() for line in lines[1:3])
+    assert (name, next_name) == ("ada", "emmy") and float(score) > float(next_score)
+    assert lines[0].removeprefix(f"{folder / 'ada1.png'}: ").startswith(f"ada (score {score}, distance {distance}, ")
     assert lines[3].startswith(f"{folder / 'emmy1.png'}: emmy (")
 
 

@@ -131,14 +131,17 @@ def match(
                 typer.echo(f"{path}: a face of {place}, seen by {face.support} windows")
             typer.echo(f"{path}: {_said(found)}")
             for candidate in found.candidates:
-                typer.echo(f"    {candidate.distance:.4f}  {candidate.name}")
+                score = "" if candidate.score is None else f"{candidate.score:6.1f}  "
+                typer.echo(f"    {score}{candidate.distance:.4f}  {candidate.name}")
     if as_json:
         typer.echo(json.dumps({"gallery": str(gallery), "matches": answers}))
 
 
 def _said(found: Match) -> str:
     """Say whom a match names and how a photograph shows her, or why it names nobody."""
-    measures = f"distance {found.distance:.4f}, margin {found.margin:.2f}"
+    score = found.candidates[0].score
+    ranked = f"score {score:.1f}, " if score else ""  # 0 where there is nobody else to compare with
+    measures = f"{ranked}distance {found.distance:.4f}, margin {found.margin:.2f}"
     if found.name is None:
         return f"unknown ({measures}): {found.reason}"
     where = "" if found.motion is None else f"; {found.motion.said}"

@@ -134,12 +134,14 @@ class Gallery(Rule, Roll):
         Raises
         ------
         HarmonicFaceError
-            As `match`; nobody to compare with, or somebody who is not in the gallery.
+            As `match`; nobody to compare with, somebody twice, or somebody who is not in the gallery.
         """
         asked = self._people.asked(photo, mask)
         names = self.names if among is None else tuple(among)
         if not names:
             raise HarmonicFaceError("among: expected at least one name, got none")
+        if len(set(names)) < len(names):
+            raise HarmonicFaceError(f"among: expected each name once, got {len(names)} of {len(set(names))} people")
         chosen = range(len(self)) if among is None else [self._people.index(name) for name in names]
         return (answers.scores_by_second_look if self.by_score else answers.scores_by_projection)(
             self._people, asked, names, chosen

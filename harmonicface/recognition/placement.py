@@ -63,9 +63,14 @@ class Placement:
         --------
         >>> Placement(2.5, -1, 3, 0.05).said
         'shifted by 2.5 right and -1.0 down, turned by 3.0 degrees, 5.0 % larger'
+        >>> Placement(-0.04, 0, -0.01, -0.0003).said
+        'shifted by 0.0 right and 0.0 down, turned by 0.0 degrees, 0.0 % larger'
         """
-        shift = f"shifted by {self.right + 0.0:.1f} right and {self.down + 0.0:.1f} down"
-        return f"{shift}, turned by {self.turn:.1f} degrees, {100 * self.growth:.1f} % larger"
+        # adding 0 makes -0 a 0
+        right, down, turn, growth = (
+            round(one, 1) + 0.0 for one in (self.right, self.down, self.turn, 100 * self.growth)
+        )
+        return f"shifted by {right:.1f} right and {down:.1f} down, turned by {turn:.1f} degrees, {growth:.1f} % larger"
 
     def scaled(self, factor: float) -> Placement:
         """Return the same placement in pixels that are smaller by a factor."""

@@ -170,6 +170,8 @@ def test_bad_names() -> None:
     gallery = gallery_of(2)
     with pytest.raises(HarmonicFaceError, match="among: expected at least one name, got none"):
         gallery.search_scores(picture(0), among=[])
+    with pytest.raises(HarmonicFaceError, match="among: expected each name once, got 3 of 2 people"):
+        gallery.search_scores(picture(0), among=["0", "1", "0"])
     for ask in (gallery.pictures_of, gallery.source_of, lambda name: gallery.search_scores(picture(0), among=[name])):
         with pytest.raises(HarmonicFaceError, match="name: expected somebody in the gallery, got 'x', who is not"):
             ask("x")
