@@ -35,11 +35,11 @@ class HardCase:
     lights
         (n, 3) unit directions to the lamps, or (n, 9) harmonic coefficients.
     normals
-        (p, 3) of the masked pixels.
+        (p, 3) of the masked pixels; NaN where the photographs tell none.
     mask
         (h, w) booleans.
     known
-        Options where the lights are told; None: that is not asked.
+        Options of `photometric_stereo` where the lights are told; None: that is not asked.
     unknown
         Options where they are not; None: that is not asked.
     """
@@ -178,12 +178,19 @@ def _of_shape(usual: HardCase) -> Iterator[HardCase]:
     few[len(mask) // 2 - 1 : len(mask) // 2 + 2, len(mask) // 2 - 1 : len(mask) // 2 + 2] = True
     yield replace(usual, name="a mask of 9 pixels", mask=few, normals=normals[few[mask]])
     rows = np.indices(mask.shape)[0]
-    random = np.random.default_rng(4)
-    clean = np.where(rows % 4 == 0, np.abs(NOISE * random.normal(size=usual.images.shape)), usual.images)
-    lit = (rows % 4 != 0)[mask]
-    yield replace(usual, name="black pixels, with noise", images=clean, normals=np.where(lit[:, None], normals, np.nan))
-    exact = np.where(rows % 4 == 0, 0.0, usual.images)
-    yield replace(usual, name="black pixels, without", images=exact, normals=np.where(lit[:, None], normals, np.nan))
+    columns = np.indices(mask.shape)[1]
+    patch = max(len(mask) // 6, 1)
+    black = (rows // patch % 2 == 0) & (columns // patch % 2 == 0)
+    dust = np.abs(NOISE * np.random.default_rng(4).normal(size=usual.images.shape))
+    clean = np.where(black, dust, usual.images)
+    lit = ~black[mask]
+    yield replace(
+        usual, name="black patches, with noise", images=clean, normals=np.where(lit[:, None], normals, np.nan)
+    )
+    exact = np.where(black, 0.0, usual.images)
+    yield replace(
+        usual, name="black patches, without noise", images=exact, normals=np.where(lit[:, None], normals, np.nan)
+    )
     yield replace(usual, name="NaN outside the mask", images=np.where(mask, usual.images, np.nan))
     hole = np.where(rows == len(mask) // 2, np.nan, usual.images)
     yield replace(usual, name="NaN inside the mask", images=hole)

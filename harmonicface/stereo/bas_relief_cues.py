@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 
 from harmonicface._validate import Floats
 from harmonicface.stereo.bas_relief import bas_relief, relief_of_equal_lamps
+from harmonicface.stereo.integrability import BLACK
 
 Doubles = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -99,7 +100,7 @@ def equal_albedo(scaled: Doubles, mask: Mask, seed: int = 0) -> Cue:
     """
     first, second, region = _neighbours(mask, seed)
     lengths = np.linalg.norm(scaled, axis=1)
-    black = lengths < 1e-6 * np.median(lengths)
+    black = lengths <= BLACK * np.median(lengths)
     kept = ~(black[first] | black[second])
     first, second, region = first[kept], second[kept], region[kept]
 

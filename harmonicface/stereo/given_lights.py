@@ -15,6 +15,7 @@ from harmonicface.lighting.as_light import LightLike
 from harmonicface.stereo import known_lights
 from harmonicface.stereo.bad_images import find_bad_images
 from harmonicface.stereo.general_light import general_light_normals, light_coefficients
+from harmonicface.stereo.handedness import check_axes
 from harmonicface.stereo.in_blocks import Pixels, Stack, solved
 from harmonicface.stereo.known_lights import check_span
 from harmonicface.stereo.misfit import model_misfit
@@ -68,7 +69,7 @@ def under_lamps(stack: Stack, lights: Floats, method: str, semi: bool, tell: Tel
     Raises
     ------
     HarmonicFaceError
-        Lamps that do not span space, or hardly.
+        Lamps that do not span space, or hardly; lamps in other axes.
     """
     check_span(lights)
     reason, left_out = "the directions of distant lamps were given", dict[int, str]()
@@ -92,6 +93,7 @@ def under_lamps(stack: Stack, lights: Floats, method: str, semi: bool, tell: Tel
         return solve_under(seen[kept] if left_out else seen, lights[kept])
 
     pixels = solved(stack, solve, lambda done, of: tell("normals", done, of))
+    check_axes(pixels.scaled, stack.mask)
     misfit = np.float32(model_misfit(observations[kept], lights[kept], solve_under))
     pixels = replace(pixels, confidence=np.hypot(pixels.confidence, misfit))
     told = lights.copy()

@@ -16,6 +16,7 @@ SAMPLE = 5000  # pixels
 TURNS, FINALISTS = 300, 8  # rotations that are tried, and those of them that are refined
 LINEAR_STARTS = 40
 ROUNDS = 40
+BLACK = 0.05  # of the median length: below, the direction is noise's
 FLATTEST = 0.01  # sine between the rows of the cofactor matrix: below, the frame would make anything a plane
 
 _GENERATORS = np.array(
@@ -68,8 +69,9 @@ def curl_terms(scaled: Doubles, mask: Mask) -> Doubles:
     >>> terms.shape, bool(np.abs(terms[:, 0] + terms[:, 4]).max() < 1e-3)
     ((49, 6), True)
     """
+    lengths = np.linalg.norm(scaled, axis=1)
     grid = np.full((*mask.shape, 3), np.nan)
-    grid[mask] = scaled
+    grid[mask] = np.where(lengths[:, None] > BLACK * np.median(lengths), scaled, np.nan)
     middle = grid[1:-1, 1:-1]
     right = (grid[1:-1, 2:] - grid[1:-1, :-2]) / 2
     up = (grid[:-2, 1:-1] - grid[2:, 1:-1]) / 2
