@@ -30,6 +30,8 @@ Progress = Callable[[str, int, int], None]
 Mask = NDArray[np.bool_]
 UNKNOWNS: dict[str, int] = {"linear3": 3, "ambient4": 4, "harmonic9": 9}
 UNIT = 0.02  # of a direction's length: two decimals in a file
+ASKED = 50_000  # pixels, about, that tell whether the images are burnt out
+FEWEST = 3  # photographs that a pixel is solved from
 LEAST_TRUST = 60.0  # degrees: the standard error at which a normal says nothing
 
 
@@ -91,7 +93,7 @@ def photometric_stereo(
     ------
     HarmonicFaceError
         Images of unlike sizes, fewer than the model's unknowns, lights of another number, directions that are not of
-        unit length, an empty mask, NaN in the mask, an option that is none.
+        unit length, an empty mask, NaN in the mask, images mostly burnt out, an option that is none.
 
     Examples
     --------
@@ -111,6 +113,7 @@ def photometric_stereo(
         raise HarmonicFaceError(f"intensities: expected numbers or 'unknown', got {intensities!r}")
     brightness = None if semi or intensities is None else _checked_intensities(intensities, len(array))
     stack = Stack(array, inside, balance(brightness), _checked_saturation(saturation))
+    _not_burnt_out(stack)
     if lights is None:
         _enough(len(array), "linear3" if model == "auto" else model)
         grey = None if brightness is None else effective(brightness)
@@ -256,6 +259,21 @@ def _checked_saturation(saturation: float) -> float:
     if isinstance(saturation, bool) or not saturation > 0:
         raise HarmonicFaceError(f"saturation: expected a number above 0, got {saturation}")
     return float(saturation)
+
+
+def _not_burnt_out(stack: Stack) -> None:
+    """Refuse photographs of which most pixels are burnt out in all but two, as of another range than was said."""
+    step = max(int(np.sqrt(stack.pixels / ASKED)), 1)
+    thin = Stack(stack.images[:, ::step, ::step], stack.mask[::step, ::step], stack.balance, stack.saturation)
+    if not thin.mask.any():
+        return
+    enough = min(FEWEST, len(stack))
+    burnt = np.concatenate([(block < stack.saturation).sum(axis=0) < enough for block in thin.blocks()])
+    if burnt.mean() > 0.5:
+        raise HarmonicFaceError(
+            f"images: expected intensities below saturation={stack.saturation:g} in {enough} photographs of most"
+            f" pixels, got {burnt.mean():.0%} of them burnt out in too many (saturation=inf for images without a ceiling)"
+        )
 
 
 def balance(brightness: Floats | None) -> Floats | None:

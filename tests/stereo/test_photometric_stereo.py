@@ -217,3 +217,28 @@ def test_refuses(changed: dict[str, object], message: str) -> None:
     usual: dict[str, object] = {"images": GREY, "lights": LAMPS, "mask": MASK}
     with pytest.raises(HarmonicFaceError, match=message):
         photometric_stereo(**{**usual, **changed})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("lights", [LAMPS, None])
+def test_images_of_another_range_are_refused(lights: Doubles | None) -> None:
+    eight_bits = np.round(255 * SHADING).astype(np.uint8)
+    with pytest.raises(
+        HarmonicFaceError, match=r"below saturation=1 in 3 photographs of most pixels, got \d+% .* too many"
+    ):
+        photometric_stereo(eight_bits, lights, MASK)
+    photometric_stereo(eight_bits, lights, MASK, saturation=255)
+
+
+def test_a_channel_that_is_burnt_out_everywhere_is_refused() -> None:
+    colours = np.stack([GREY, GREY, np.ones_like(GREY)], axis=3)
+    with pytest.raises(HarmonicFaceError, match="got 100% of them burnt out"):
+        photometric_stereo(colours, LAMPS, MASK)
+
+
+def test_two_photographs_that_are_not_burnt_out_are_too_few() -> None:
+    burnt = GREY.copy()
+    burnt[2:] = 1
+    with pytest.raises(HarmonicFaceError, match="burnt out"):
+        photometric_stereo(burnt, LAMPS, MASK)
+    burnt[2] = GREY[2]
+    photometric_stereo(burnt, LAMPS, MASK, method="least_squares")
