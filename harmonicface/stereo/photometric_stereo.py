@@ -272,7 +272,7 @@ def _not_burnt_out(stack: Stack) -> None:
     if burnt.mean() > 0.5:
         raise HarmonicFaceError(
             f"images: expected intensities below saturation={stack.saturation:g} in {enough} photographs of most"
-            f" pixels, got {burnt.mean():.0%} of them burnt out in too many (saturation=inf for images without a ceiling)"
+            f" pixels, got {burnt.mean():.0%} of them burnt out in too many (saturation=inf: images have no ceiling)"
         )
 
 
