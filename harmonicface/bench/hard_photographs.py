@@ -42,6 +42,8 @@ class HardCase:
         Options of `photometric_stereo` where the lights are told; None: that is not asked.
     unknown
         Options where they are not; None: that is not asked.
+    quick
+        Whether unknown lamps are asked for in a quick table too.
     """
 
     name: str
@@ -51,6 +53,7 @@ class HardCase:
     mask: Mask
     known: dict[str, Any] | None = field(default_factory=dict)
     unknown: dict[str, Any] | None = field(default_factory=dict)
+    quick: bool = True
 
 
 def lamps(count: int = COUNT, widest: float = WIDEST, seed: int = 0) -> Floats:
@@ -147,7 +150,9 @@ def _of_lamps(usual: HardCase) -> Iterator[HardCase]:
     yield photographed(*shape, often, "one lamp for half of the photographs")
     yield photographed(*shape, lamps(widest=5), "lamps within 5 degrees")
     twice = np.arange(COUNT) // 2
-    yield replace(usual, name="every photograph twice", images=usual.images[twice], lights=usual.lights[twice])
+    yield replace(
+        usual, name="every photograph twice", images=usual.images[twice], lights=usual.lights[twice], quick=False
+    )
 
 
 def _of_shade(usual: HardCase) -> Iterator[HardCase]:
@@ -191,7 +196,7 @@ def _of_shape(usual: HardCase) -> Iterator[HardCase]:
     yield replace(
         usual, name="black patches, without noise", images=exact, normals=np.where(lit[:, None], normals, np.nan)
     )
-    yield replace(usual, name="NaN outside the mask", images=np.where(mask, usual.images, np.nan))
+    yield replace(usual, name="NaN outside the mask", images=np.where(mask, usual.images, np.nan), quick=False)
     hole = np.where(rows == len(mask) // 2, np.nan, usual.images)
     yield replace(usual, name="NaN inside the mask", images=hole)
 
@@ -200,12 +205,14 @@ def _of_numbers(usual: HardCase) -> Iterator[HardCase]:
     """Yield other scales and types."""
     for bits in (16, 8):
         levels = 2**bits - 1
-        yield replace(usual, name=f"{bits} bits", images=np.round(usual.images * levels) / levels)
+        yield replace(usual, name=f"{bits} bits", images=np.round(usual.images * levels) / levels, quick=False)
     dark = np.round(usual.images / 20 * 255) / 255
     yield replace(usual, name="8 bits, a twentieth of the range", images=dark)
     free = {"saturation": np.inf}
     for factor in (1e-12, 1e12):
-        yield replace(usual, name=f"times {factor:g}", images=factor * usual.images, known=free, unknown=free)
+        yield replace(
+            usual, name=f"times {factor:g}", images=factor * usual.images, known=free, unknown=free, quick=False
+        )
     yield replace(usual, name="float32", images=usual.images.astype(np.float32))
     same = np.full_like(usual.images, 0.5)
     nowhere = np.full_like(usual.normals, np.nan)
@@ -246,7 +253,7 @@ def _of_strangers(usual: HardCase) -> Iterator[HardCase]:
     yield replace(usual, name="not registered by up to 1 pixel", images=moved)
     one_off = usual.images.copy()
     one_off[5] = np.roll(one_off[5], 1, axis=1)
-    yield replace(usual, name="one image moved by 1 pixel", images=one_off)
+    yield replace(usual, name="one image moved by 1 pixel", images=one_off, quick=False)
     wrong = usual.lights.copy()
     wrong[3] = wrong[3] * [-1, -1, 1]
     yield replace(usual, name="one direction wrong", lights=wrong, unknown=None)

@@ -66,7 +66,8 @@ def stereo_outcomes(side: int = SIDE, *, quick: bool = False, only: str = "") ->
     side
         Of the photographs, in pixels.
     quick
-        Without light of which nothing is known, which takes ten seconds a case.
+        Without light of which nothing is known, which takes ten seconds a case, and without unknown lamps where they
+        are unlikely to tell more than known ones.
     only
         Cases in whose names this stands; the first one, which nothing is hard about, always.
 
@@ -124,6 +125,8 @@ def _kinds(case: HardCase, quick: bool) -> Iterator[tuple[str, dict[str, Any]]]:
     if case.known is not None:
         yield "known", case.known
     if case.unknown is None:
+        return
+    if quick and not case.quick:
         return
     if "intensities" in case.unknown:
         yield "unknown lamps", case.unknown

@@ -180,7 +180,8 @@ def equal_lamps(lights: Doubles) -> Cue | None:
     cue = known_lamps(lights)
     brightness = np.linalg.norm(lights @ np.linalg.inv(matrix_of(cue.relief)), axis=1)
     spread = 1.4826 * np.median(np.abs(np.log(brightness / np.median(brightness))))
-    return cue if len(lights) >= LEAST_EQUAL and spread < EQUAL else None
+    near = np.abs(cue.relief).max() <= FARTHEST  # flattened enough, any lamps stand before the camera, equally bright
+    return cue if near and len(lights) >= LEAST_EQUAL and spread < EQUAL else None
 
 
 def known_lamps(lights: Doubles) -> Cue:
