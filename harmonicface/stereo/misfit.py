@@ -11,7 +11,7 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.in_blocks import Pixels
 
-PIXELS = 400  # that are asked: the misfit is stated as one number for all
+PIXELS = 300  # that are asked: the misfit is stated as one number for all
 FEWEST = 8  # lamps: of fewer, halves do not determine normals
 
 Doubles = NDArray[np.float64]
@@ -33,7 +33,7 @@ def model_misfit(observations: Floats, lights: Floats, solve: Solve) -> float:
     Parameters
     ----------
     observations
-        (n, p) intensities, of which 400 pixels are asked.
+        (n, p) intensities, of which 300 pixels are asked.
     lights
         (n, 3) directions times brightness.
     solve
