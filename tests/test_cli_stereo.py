@@ -253,7 +253,8 @@ def test_bad_photographs_end_in_one_line(run: Run, tmp_path: Path, what: str, me
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--unknown", "--lights", "x"), "expected one of --lights, --ball, --unknown, got --lights"),
+        (("--unknown", "--lights", "x"), "expected one of --lights, --ball, --unknown, got --lights and --unknown"),
+        (("--unknown", "--transfer", "sRGB"), "transfer: expected 'srgb' or 'linear', got 'sRGB'"),
         (("--lights", "x", "--ball", "y"), "got --lights and --ball"),
         (("--distance", "2"), "distance: expected --intrinsics with it"),
         (("--pixel-size", "2", "--intrinsics", "9,9,9,9"), "pixel-size: expected none beside --intrinsics"),

@@ -217,8 +217,9 @@ def _known_lights(
     transfer: str | None,
 ) -> KnownLights:
     """Return what files and a chrome ball say of the lights."""
-    asked = [f"--{name}" for name, given in (("lights", lights), ("ball", ball or circle)) if given]
-    if len(asked) > 1 or (asked and unknown):
+    options = {"--lights": lights, "--ball": ball or circle, "--unknown": unknown}
+    asked = [name for name, given in options.items() if given]
+    if len(asked) > 1:
         raise HarmonicFaceError(f"lights: expected one of --lights, --ball, --unknown, got {' and '.join(asked)}")
     names = [file.name for file in files]
     brightness = None if intensities is None or str(intensities) == UNKNOWN else _intensities(intensities, len(names))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.io.images import linear_pixels
+from harmonicface.io.images import check_transfer, linear_pixels
 from harmonicface.io.pixels import ENDINGS, Pixels, read_pixels
 from harmonicface.stereo.in_blocks import Images
 
@@ -162,8 +162,9 @@ def opened_photographs(
     Raises
     ------
     HarmonicFaceError
-        A file that cannot be read, photographs of unlike sizes, a disk that is full.
+        A file that cannot be read, photographs of unlike sizes, another transfer, a disk that is full.
     """
+    check_transfer(transfer)
     first = read_pixels(files[0])
     side = _validate.at_least(reduce, 1, "reduce")
     height, width = (length // side for length in first.values.shape[:2])

@@ -51,8 +51,7 @@ def read_image(path: str | os.PathLike[str], transfer: str | None = None) -> NDA
     array([[0.25, 0.25, 0.25],
            [0.25, 0.25, 0.25]], dtype=float32)
     """
-    if transfer not in (None, "srgb", "linear"):
-        raise HarmonicFaceError(f"transfer: expected 'srgb' or 'linear', got {transfer!r}")
+    check_transfer(transfer)
     pixels = read_pixels(path)
     array = linear_pixels(pixels.values, transfer or pixels.transfer)
     if not np.isfinite(array).all():
@@ -99,6 +98,12 @@ def write_image(path: str | os.PathLike[str], array: ArrayLike, transfer: str = 
     options: dict[str, Any] = {"quality": 95, "subsampling": 0} if WRITTEN[ending] == "JPEG" else {}
     with replacing(path) as temporary:
         picture.save(temporary, WRITTEN[ending], **options)
+
+
+def check_transfer(transfer: str | None) -> None:
+    """Refuse anything but "srgb", "linear" and None, which leaves it to the type of the file."""
+    if transfer not in (None, "srgb", "linear"):
+        raise HarmonicFaceError(f"transfer: expected 'srgb' or 'linear', got {transfer!r}")
 
 
 def linear_pixels(values: NDArray[Any], transfer: str) -> NDArray[np.float32]:

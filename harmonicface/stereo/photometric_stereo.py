@@ -63,7 +63,8 @@ def photometric_stereo(
     mask
         (h, w) booleans, the pixels to solve; all by default. Elsewhere the images may hold anything.
     model
-        "linear3", "ambient4" or "harmonic9" (see `StereoResult`); "auto" chooses for unknown lights.
+        "linear3", "ambient4" or "harmonic9" (see `StereoResult`); "auto" chooses for unknown lights. Directions are
+        "linear3".
     method
         For known lamps: "robust" explains highlights and leaves shadows out (`robust_normals`), "matte" leaves shadows
         out (`calibrated_stereo`), "least_squares" trusts everything that is not saturated (Woodham 1980).
@@ -119,6 +120,7 @@ def photometric_stereo(
         grey = None if brightness is None else effective(brightness)
         found = find_lights(stack, model, method, face, grey, tell)
     elif _are_directions(lights):
+        _among(model, ("auto", "linear3"), "model of lamps whose directions are known")
         directions = _checked_directions(lights, len(array))
         _enough(len(array), "linear3")
         if brightness is not None:

@@ -242,3 +242,10 @@ def test_two_photographs_that_are_not_burnt_out_are_too_few() -> None:
         photometric_stereo(burnt, LAMPS, MASK)
     burnt[2] = GREY[2]
     photometric_stereo(burnt, LAMPS, MASK, method="least_squares")
+
+
+@pytest.mark.parametrize("model", ["ambient4", "harmonic9"])
+def test_lamps_with_known_directions_have_one_model(model: str) -> None:
+    with pytest.raises(HarmonicFaceError, match=f"model of lamps .*: expected one of auto, linear3, got '{model}'"):
+        photometric_stereo(GREY, LAMPS, MASK, model=model)  # type: ignore[arg-type]
+    photometric_stereo(GREY, LAMPS, MASK, model="linear3", method="least_squares")
