@@ -14,6 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.portrait import photographed_template, rendered_template
 from harmonicface.io.colour import luminance
+from harmonicface.recognition.exemplar import exemplar
 from harmonicface.recognition.grid import ROWS
 from harmonicface.recognition.patterns import Template
 from harmonicface.recognition.subspace import Subspace
@@ -74,7 +75,7 @@ def enrolment_of(
     source
         A Surface; (n, h, w) or (n, h, w, 3) photographs; or one, (h, w) or (h, w, 3). Photographs under unknown lights
         are registered to each other where templates are kept and they are far apart; the nine strongest directions of
-        their span count.
+        their span count. Of a single one without a template the most probable Surface is taken (`exemplar`).
     frame
         The gallery's; None for the first person, whose every pixel then becomes the frame.
     model
@@ -93,6 +94,8 @@ def enrolment_of(
         if lights is not None:
             raise HarmonicFaceError("lights: expected them with photographs only, got them with a Surface")
         return _of_surface(source, frame, model, SURFACE)
+    if lights is None and not (model.templates or model.depth) and np.ndim(source) == 2:
+        return _of_surface(exemplar(source).surface, frame, model, PHOTOGRAPH)
     stack = _photographs(source, 1 if lights is not None else model.fewest)
     frame = frame or Frame(np.ones(stack.shape[1:3], np.bool_))
     pixels = np.stack([frame.take(photo, "photographs") for photo in stack])

@@ -31,7 +31,8 @@ class Gallery(Rule, Roll):
         from the side with its cast shadows, shifts by up to 4 of 96 rows, noise and compression. If nobody is named,
         people are looked for displaced by up to 10 of 96 rows, turned or grown by up to 10 degrees or percent, and the
         photograph is compared once more as seen from there (`registered_look`). Or a projection alone, by what spans
-        the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4", "linear3".
+        the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4", "linear3",
+        "nine_points_simulated".
     mask
         (h, w) booleans: the pixels that are compared. By default all pixels of the first person enrolled. Where
         photographs have a background, leave it out of the mask; outside a person's own mask her images are 0.

@@ -67,7 +67,8 @@ class Roll:
             A Surface of the gallery's shape. Or (n, h, w) photographs: with lights, n >= 3, they are registered to
             each other and their stereo is the Surface; without, the span of the photographs (its nine strongest
             directions) stands for her. The default model takes any number of them, registers those that show her at
-            different places, and takes a single one, (h, w); the others need three under different lights.
+            different places, and takes a single one, (h, w); the others need three under different lights,
+            or one from which a prior of faces makes the most probable Surface (`exemplar`; not "harmonic_shadowed").
         lights
             (n, 3) directions from the person to the light of each photograph (x right, y up, z toward the camera),
             times its strength; intensities are then from 0 to 1.

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.recognition.nine_lights import nine_points
 from harmonicface.surfaces.surface import Surface
 
 
@@ -39,6 +40,7 @@ SUBSPACE_MODELS: dict[str, Callable[[Surface], Floats]] = {
     "ambient4": ambient4,
     "harmonic9": harmonic9,
     "harmonic_shadowed": harmonic_shadowed,
+    "nine_points_simulated": nine_points,
 }
 WITH_DEPTH = ("harmonic_shadowed",)  # what casts shadows
 

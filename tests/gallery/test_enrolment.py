@@ -84,7 +84,19 @@ def test_the_gallerys_frame_is_kept() -> None:
     assert enrolment_of(PERSON, frame, NINE).frame is frame
 
 
-@pytest.mark.parametrize("source", [np.ones((2, 6, 7)), np.ones((6, 7)), np.ones((3, 0, 7)), np.ones((3, 1, 1, 1, 1))])
+def test_one_photograph_becomes_the_most_probable_surface() -> None:
+    person = hf.synthetic_person(5, 48)
+    photo = hf.render(person, hf.lights.from_angles(20, 10))
+    found = enrolment_of(photo, None, NINE)
+    assert (found.source, found.subspace.rank) == ("photograph", 9)
+    other = hf.render(person, hf.lights.from_angles(-30, 0)).ravel()
+    stranger = hf.render(hf.synthetic_person(6, 48), hf.lights.from_angles(-30, 0)).ravel()
+    face = (found.subspace.rows**2).sum(axis=0) > 0
+    near, far = (found.subspace.distance(picture * face) for picture in (other, stranger))
+    assert near < 0.8 * far
+
+
+@pytest.mark.parametrize("source", [np.ones((2, 6, 7)), np.ones(7), np.ones((3, 0, 7)), np.ones((3, 1, 1, 1, 1))])
 def test_what_is_neither_surface_nor_photographs(source: np.ndarray) -> None:
     with pytest.raises(hf.HarmonicFaceError, match="source: expected a Surface, or at least 3 photographs"):
         enrolment_of(source, None, NINE)
