@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from harmonicface.bench.hard_photographs import bumpy_ball, lamps, photographed
+from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.handedness import check_axes
 from harmonicface.stereo.photometric_stereo import photometric_stereo
@@ -52,3 +55,13 @@ def test_photographs_with_the_sign_of_x_confused_are_refused() -> None:
     case = photographed(NORMALS, MASK, lamps(12, seed=1))
     with pytest.raises(HarmonicFaceError, match="left and right"):
         photometric_stereo(case.images, case.lights * np.array([-1, 1, 1]), MASK)
+
+
+@pytest.mark.data
+def test_a_real_face_under_lamps_upside_down(data_dir: Path) -> None:
+    person = load_yale_b(data_dir / "yaleb", [5])[0]
+    seen = person.angles < 52
+    images, lights = np.asarray(person.photographs)[seen], np.asarray(person.lights)[seen]
+    photometric_stereo(images, lights, method="matte", integration="none")
+    with pytest.raises(HarmonicFaceError, match=r"left and right \(or up and down\)"):
+        photometric_stereo(images, lights * np.array([1, -1, 1]), method="matte", integration="none")
