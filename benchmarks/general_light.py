@@ -26,10 +26,10 @@ from harmonicface.lighting.environment import EnvironmentMap
 from harmonicface.people.crop import FRAME
 from harmonicface.people.ict import ict_person
 from harmonicface.stereo.factors import leading_factors
-from harmonicface.stereo.general_unknown_light import general_light_stereo
-from harmonicface.stereo.linear_shape import unit
-from harmonicface.stereo.sky_cells import cell_directions, cell_flow, cell_visibility
-from harmonicface.stereo.unknown_lamps import unknown_lamps
+from harmonicface.stereo.general.general_unknown_light import general_light_stereo
+from harmonicface.stereo.general.linear_shape import unit
+from harmonicface.stereo.general.sky_cells import cell_directions, cell_flow, cell_visibility
+from harmonicface.stereo.lamps.unknown_lamps import unknown_lamps
 from harmonicface.surfaces.mesh import surface_from_mesh
 from harmonicface.surfaces.surface import Surface
 

@@ -17,9 +17,9 @@ from scipy.sparse.linalg import spsolve
 from sklearn.utils.extmath import randomized_svd
 
 from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.stereo.depth.integration import integrate_normals
 from harmonicface.stereo.factors import leading_factors
-from harmonicface.stereo.integration import integrate_normals
-from harmonicface.stereo.least_squares import plain_least_squares
+from harmonicface.stereo.known.least_squares import plain_least_squares
 
 PHOTOGRAPHS, RANK = 96, 9
 

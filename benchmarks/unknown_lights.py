@@ -21,10 +21,10 @@ from numpy.typing import ArrayLike
 from harmonicface.bench.measure import Record, print_records, write_records
 from harmonicface.datasets.diligent import load_diligent
 from harmonicface.datasets.yale_b import load_yale_b
+from harmonicface.stereo.known.robust import robust_normals
+from harmonicface.stereo.lamps.unknown_directions import unknown_directions
+from harmonicface.stereo.lamps.unknown_lamps import unknown_lamps
 from harmonicface.stereo.registration import register
-from harmonicface.stereo.robust import robust_normals
-from harmonicface.stereo.unknown_directions import unknown_directions
-from harmonicface.stereo.unknown_lamps import unknown_lamps
 
 DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data"))
 PUBLISHED = {"ballPNG": 4.77, "bearPNG": 9.07, "catPNG": 9.54, "readingPNG": 24.18}  # the best classical, nothing known

@@ -26,9 +26,9 @@ from harmonicface.harmonics.grid import sphere_grid
 from harmonicface.recognition.alignment import align, pyramid_of, reduced
 from harmonicface.recognition.displaced import ShiftSearch
 from harmonicface.recognition.subspace import Subspace
-from harmonicface.stereo.calibrated import calibrated_stereo
-from harmonicface.stereo.integration import integrate_normals
-from harmonicface.stereo.least_squares import scaled_normals
+from harmonicface.stereo.depth.integration import integrate_normals
+from harmonicface.stereo.known.calibrated import calibrated_stereo
+from harmonicface.stereo.known.least_squares import scaled_normals
 from harmonicface.stereo.motion import STILL, resample
 from harmonicface.stereo.registration import register
 from harmonicface.surfaces.surface import Surface

@@ -26,7 +26,7 @@ from harmonicface.reflectance.filters import lambertian_filter
 from harmonicface.reflectance.materials import Microfacet, Phong
 from harmonicface.reflectance.microfacet import microfacet_filter
 from harmonicface.reflectance.phong import phong_filter
-from harmonicface.stereo.integration import integrate_normals
+from harmonicface.stereo.depth.integration import integrate_normals
 from harmonicface.stereo.photometric_stereo import photometric_stereo
 from harmonicface.stereo.reconstruction import reconstruct
 from harmonicface.stereo.registration import Registration, register

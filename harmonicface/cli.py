@@ -56,3 +56,7 @@ def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -
 def _refuse(reason: str) -> NoReturn:
     print(f"harmonicface: {' '.join(reason.split())}", file=sys.stderr)
     sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()

@@ -20,7 +20,7 @@ from harmonicface.people.crop import FRAME
 from harmonicface.people.ict import ict_people
 from harmonicface.people.spread import albedo_spread, common_mask, normal_spread
 from harmonicface.people.synthetic import synthetic_people
-from harmonicface.stereo.calibrated import calibrated_stereo
+from harmonicface.stereo.known.calibrated import calibrated_stereo
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.view import View
 

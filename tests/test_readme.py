@@ -51,10 +51,10 @@ def test_pictures_and_pages_are_there(page: Path) -> None:
 def test_the_guide_names_what_there_is() -> None:
     rooms = re.split(r"^## .*`harmonicface\.(\w+)`$", PAGES[1].read_text("utf-8"), flags=re.MULTILINE)[1:]
     for room, text in zip(rooms[::2], rooms[1::2], strict=True):
-        names = re.findall(r"`(\w+)\.(\w+)`", text)
+        names = re.findall(r"`((?:\w+\.)*\w+)\.(\w+)`", text)
         for module, name in names:
-            if module != "hf":
-                file = PROJECT / "harmonicface" / room / f"{module}.py"
+            if module.partition(".")[0] != "hf":
+                file = (PROJECT / "harmonicface" / room).joinpath(*module.split(".")).with_suffix(".py")
                 assert re.search(rf"^(def|class) {name}\b", file.read_text("utf-8"), re.MULTILINE), (
                     f"{room}.{module}.{name}"
                 )

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from harmonicface._validate import Floats
 from harmonicface.datasets.diligent import DiligentObject, load_diligent
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.bad_images import find_bad_images
-from harmonicface.stereo.belonging import lamps_of_those_that_belong
-from harmonicface.stereo.least_squares import plain_least_squares
-from harmonicface.stereo.robust import robust_normals
-from harmonicface.stereo.semi_calibrated import semi_calibrated
-from harmonicface.stereo.unknown_directions import unknown_directions
-from harmonicface.stereo.unknown_lamps import unknown_lamps
+from harmonicface.stereo.known.bad_images import find_bad_images
+from harmonicface.stereo.known.least_squares import plain_least_squares
+from harmonicface.stereo.known.robust import robust_normals
+from harmonicface.stereo.known.semi_calibrated import semi_calibrated
+from harmonicface.stereo.lamps.belonging import lamps_of_those_that_belong
+from harmonicface.stereo.lamps.unknown_directions import unknown_directions
+from harmonicface.stereo.lamps.unknown_lamps import unknown_lamps
 
 Mask = NDArray[np.bool_]
 PUBLISHED = {"ballPNG": 4.10, "bearPNG": 8.39, "catPNG": 8.41, "readingPNG": 19.80}  # least squares, Shi et al. 2016

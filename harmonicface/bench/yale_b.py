@@ -17,7 +17,7 @@ from harmonicface.bench.yale_protocols import SUBSETS, Chosen, Split, yale_proto
 from harmonicface.bench.yale_result import Answers, Query, YaleMethod, YaleResult
 from harmonicface.datasets.yale_b import YalePerson, load_yale_b
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.calibrated import calibrated_stereo
+from harmonicface.stereo.known.calibrated import calibrated_stereo
 from harmonicface.stereo.reconstruction import reconstruct
 
 Progress = Callable[[str, int, int], None]

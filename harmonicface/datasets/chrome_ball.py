@@ -13,7 +13,7 @@ from harmonicface.datasets.photographs import images_in
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.images import read_image
 from harmonicface.io.pixels import ENDINGS
-from harmonicface.stereo.mirror_ball import mirror_ball_lights
+from harmonicface.stereo.known.mirror_ball import mirror_ball_lights
 
 HALF = 0.5
 

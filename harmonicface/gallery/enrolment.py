@@ -18,7 +18,7 @@ from harmonicface.recognition.exemplar import exemplar
 from harmonicface.recognition.grid import ROWS
 from harmonicface.recognition.patterns import Template
 from harmonicface.recognition.subspace import Subspace
-from harmonicface.stereo.calibrated import calibrated_stereo
+from harmonicface.stereo.known.calibrated import calibrated_stereo
 from harmonicface.stereo.motion import STILL
 from harmonicface.stereo.reconstruction import reconstruct
 from harmonicface.stereo.registration import register

@@ -13,12 +13,12 @@ from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.lighting.as_light import LightLike
 from harmonicface.stereo.colour import with_colours
-from harmonicface.stereo.discontinuity import integrate_bilaterally
+from harmonicface.stereo.depth.discontinuity import integrate_bilaterally
+from harmonicface.stereo.depth.integration import integrate_normals
+from harmonicface.stereo.depth.perspective_integration import integrate_perspective
 from harmonicface.stereo.factors import leading_factors
-from harmonicface.stereo.given_lights import under_general_light, under_lamps
 from harmonicface.stereo.in_blocks import Images, Pixels, Stack, spread
-from harmonicface.stereo.integration import integrate_normals
-from harmonicface.stereo.perspective_integration import integrate_perspective
+from harmonicface.stereo.known.given_lights import under_general_light, under_lamps
 from harmonicface.stereo.result import Model, StereoResult
 from harmonicface.stereo.unknown_lights import find_lights
 from harmonicface.surfaces.surface import Surface

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harmonicface.stereo.calibrated import calibrated_stereo
-from harmonicface.stereo.integration import integrate_normals
+from harmonicface.stereo.depth.integration import integrate_normals
+from harmonicface.stereo.known.calibrated import calibrated_stereo
 from harmonicface.stereo.registration import register
 from harmonicface.surfaces.surface import Surface
 

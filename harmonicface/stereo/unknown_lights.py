@@ -12,17 +12,17 @@ from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import order_of
-from harmonicface.stereo import known_lights
-from harmonicface.stereo.belonging import lamps_of_those_that_belong
 from harmonicface.stereo.factors import leading_factors
-from harmonicface.stereo.general_unknown_light import general_light_stereo
-from harmonicface.stereo.given_lights import Found
+from harmonicface.stereo.general.general_unknown_light import general_light_stereo
 from harmonicface.stereo.in_blocks import Pixels, Stack, solved
+from harmonicface.stereo.known import known_lights
+from harmonicface.stereo.known.given_lights import Found
+from harmonicface.stereo.known.misfit import model_misfit
+from harmonicface.stereo.lamps.belonging import lamps_of_those_that_belong
+from harmonicface.stereo.lamps.relief_doubt import stated_doubt
+from harmonicface.stereo.lamps.unknown_directions import unknown_directions
+from harmonicface.stereo.lamps.unknown_lamps import unknown_lamps
 from harmonicface.stereo.light_model import choose_light_model
-from harmonicface.stereo.misfit import model_misfit
-from harmonicface.stereo.relief_doubt import stated_doubt
-from harmonicface.stereo.unknown_directions import unknown_directions
-from harmonicface.stereo.unknown_lamps import unknown_lamps
 from harmonicface.surfaces.surface import Surface
 
 MOST_PIXELS = 150_000  # that tell the lights: more change them by less than the model's own misfit

@@ -14,7 +14,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.estimators.base import Codes, FaceClassifier
 from harmonicface.recognition.estimators.image_table import as_images
 from harmonicface.recognition.estimators.projection import NearestSubspace, orthonormal
-from harmonicface.stereo.calibrated import calibrated_stereo
+from harmonicface.stereo.known.calibrated import calibrated_stereo
 from harmonicface.stereo.reconstruction import reconstruct
 from harmonicface.stereo.registration import register
 from harmonicface.surfaces.surface import Surface

@@ -1,0 +1,1 @@
+"""Known lights: photographs -> normals and albedo."""
