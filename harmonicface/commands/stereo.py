@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, cast, get_args
+from typing import Annotated, cast, get_args
 
 import numpy as np
 import typer
@@ -17,42 +16,23 @@ from harmonicface._validate import Floats
 from harmonicface.bench.console import progress
 from harmonicface.bench.stereo_folder import as_json, checked_folder, checked_meshes, write_stereo_folder
 from harmonicface.bench.stereo_statement import Circumstances, determined, headline, undetermined
+from harmonicface.commands.known_lights import brightness_of, known_lights
 from harmonicface.commands.options import AsJson, Transfer, numbers
-from harmonicface.datasets.chrome_ball import load_chrome_ball, mask_in
+from harmonicface.datasets.chrome_ball import mask_in
 from harmonicface.datasets.photographs import Photographs, opened_photographs, photograph_files
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.sources import read_mask
-from harmonicface.io.lights_file import LightsFile, read_intensities, read_lights_file
 from harmonicface.stereo.bright_part import bright_part
-from harmonicface.stereo.colour import with_colours
+from harmonicface.stereo.colour import balance, with_colours
 from harmonicface.stereo.motion import displacement, resample
-from harmonicface.stereo.photometric_stereo import (
-    Integration,
-    Method,
-    balance,
-    effective,
-    photometric_stereo,
-)
+from harmonicface.stereo.photometric_stereo import Integration, Method, photometric_stereo
 from harmonicface.stereo.registration import Registration, register
 from harmonicface.stereo.result import StereoResult
 from harmonicface.surfaces.textured_mesh import MOST_VERTICES
 
 MODELS = ("auto", "linear3", "ambient4", "harmonic9")
-OWN_LIGHTS = ("lights.txt", "light_directions.txt")
-UNKNOWN = "unknown"
-OWN_INTENSITIES = "light_intensities.txt"
 Tell = Callable[[str, int, int], None]
 Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False)
-class KnownLights:
-    """What was said about the lights; None where nothing was."""
-
-    directions: Floats | None = None
-    intensities: Floats | None = None
-    coefficients: Floats | None = None
-    source: str = ""
 
 
 def stereo(
@@ -125,7 +105,7 @@ def stereo(
     files = photograph_files(images)
     folder = images[0] if len(images) == 1 and images[0].is_dir() else None
     disc = None if circle is None else numbers(circle, 3, "circle")
-    known = _known_lights(files, folder, lights, intensities, ball, disc, unknown, transfer)
+    known = known_lights(files, folder, lights, intensities, ball, disc, unknown, transfer)
     target = checked_folder(out)
     colours = known.intensities if known.intensities is not None and known.intensities.ndim == 2 else None
     with progress() as tell:
@@ -145,7 +125,7 @@ def stereo(
                 model=model,  # type: ignore[arg-type]
                 method=method.replace("-", "_"),  # type: ignore[arg-type]
                 face=face,
-                intensities=_brightness(known, intensities),
+                intensities=brightness_of(known, intensities),
                 saturation=saturation,
                 integration=cast(Integration, integration),
                 pixel_size=1.0 if pixel_size is None else pixel_size * reduce,
@@ -191,78 +171,12 @@ def _print(result: StereoResult, photographs: Photographs, told: Circumstances, 
     typer.echo(f"\nReport: {(target / 'report.html').resolve()}")
 
 
-def _brightness(known: KnownLights, asked: Path | None) -> Floats | Literal["unknown"] | None:
-    """Return the brightness of lamps in grey, or that it is to be found."""
-    if known.intensities is not None:
-        return effective(known.intensities)
-    return "unknown" if str(asked) == UNKNOWN and known.directions is not None else None
-
-
 def _together(camera: tuple[float, ...] | None, distance: float | None, pixel_size: float | None) -> None:
     """Refuse options that do not belong together."""
     if distance is not None and camera is None:
         raise HarmonicFaceError("distance: expected --intrinsics with it, got none")
     if pixel_size is not None and camera is not None:
         raise HarmonicFaceError("pixel-size: expected none beside --intrinsics, which tell it, got both")
-
-
-def _known_lights(
-    files: list[Path],
-    folder: Path | None,
-    lights: Path | None,
-    intensities: Path | None,
-    ball: Path | None,
-    circle: tuple[float, ...] | None,
-    unknown: bool,
-    transfer: str | None,
-) -> KnownLights:
-    """Return what files and a chrome ball say of the lights."""
-    options = {"--lights": lights, "--ball": ball or circle, "--unknown": unknown}
-    asked = [name for name, given in options.items() if given]
-    if len(asked) > 1:
-        raise HarmonicFaceError(f"lights: expected one of --lights, --ball, --unknown, got {' and '.join(asked)}")
-    names = [file.name for file in files]
-    brightness = None if intensities is None or str(intensities) == UNKNOWN else _intensities(intensities, len(names))
-    if ball is not None or circle is not None:
-        found = load_chrome_ball(files if ball is None else ball, circle, transfer)
-        if len(found) != len(names):
-            raise HarmonicFaceError(
-                f"{ball}: expected a photograph of the ball for each of {len(names)}, got {len(found)}"
-            )
-        where = "the chrome ball" if ball is None else f"the chrome ball in {ball}"
-        return KnownLights(found, brightness, None, where)
-    source = None if unknown else _lights_file(lights, folder)
-    if source is None:
-        return KnownLights(intensities=brightness)
-    told: LightsFile = read_lights_file(source).of(names, str(source))
-    if told.intensities is not None and str(intensities) != UNKNOWN:
-        if brightness is not None:
-            raise HarmonicFaceError(f"intensities: expected them once, got them in {source} and in {intensities}")
-        brightness = told.intensities
-    beside = source.parent / OWN_INTENSITIES
-    if intensities is None and brightness is None and source.name == "light_directions.txt" and beside.is_file():
-        brightness = _intensities(beside, len(names))
-    return KnownLights(told.directions, brightness, told.coefficients, f"the file {source}")
-
-
-def _lights_file(lights: Path | None, folder: Path | None) -> Path | None:
-    """Return the file that tells the lights: the one given, or one in the folder given, or beside the photographs."""
-    if lights is not None and not lights.is_dir():
-        return lights
-    place = lights if lights is not None else folder
-    if place is None:
-        return None
-    found = next((place / name for name in OWN_LIGHTS if (place / name).is_file()), None)
-    if found is None and lights is not None:
-        raise HarmonicFaceError(f"{lights}: expected {' or '.join(OWN_LIGHTS)} in the folder, got neither")
-    return found
-
-
-def _intensities(path: Path, count: int) -> Floats:
-    found = read_intensities(path)
-    if len(found) != count:
-        raise HarmonicFaceError(f"{path}: expected a line for each of {count} photographs, got {len(found)} lines")
-    return found
 
 
 def _mask(mask: str | None, folder: Path | None, photographs: Photographs) -> tuple[Mask, str]:

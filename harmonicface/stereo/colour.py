@@ -107,3 +107,15 @@ def colour_albedo(photographs: Iterable[Floats], shading: Iterable[Floats], albe
     grey = seen.mean(axis=1, keepdims=True)
     share = np.divide(seen, grey, out=np.ones_like(seen), where=grey > 0)
     return np.asarray(grey_albedo[:, None] * share)
+
+
+def balance(brightness: Floats | None) -> Floats | None:
+    """Return by what colours are multiplied so that each light is white: 1 / brightness, with mean 1."""
+    if brightness is None or brightness.ndim == 1:
+        return None
+    return np.asarray(1 / brightness / (1 / brightness).mean(axis=1, keepdims=True))
+
+
+def effective(brightness: Floats) -> Floats:
+    """Return the brightness of each light in the grey of balanced colours, (n,)."""
+    return brightness if brightness.ndim == 1 else np.asarray(1 / (1 / brightness).mean(axis=1))

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.lighting.as_light import LightLike
-from harmonicface.stereo.colour import with_colours
+from harmonicface.stereo.checks import (
+    UNKNOWNS,
+    checked_directions,
+    checked_images,
+    checked_intensities,
+    checked_mask,
+    checked_saturation,
+    require_among,
+    require_enough,
+    require_unburnt,
+)
+from harmonicface.stereo.colour import balance, effective, with_colours
 from harmonicface.stereo.depth.discontinuity import integrate_bilaterally
 from harmonicface.stereo.depth.integration import integrate_normals
 from harmonicface.stereo.depth.perspective_integration import integrate_perspective
 from harmonicface.stereo.factors import leading_factors
-from harmonicface.stereo.in_blocks import Images, Pixels, Stack, spread
+from harmonicface.stereo.in_blocks import Pixels, Stack, spread
 from harmonicface.stereo.known.given_lights import under_general_light, under_lamps
 from harmonicface.stereo.result import Model, StereoResult
 from harmonicface.stereo.unknown_lights import find_lights
@@ -28,10 +38,6 @@ Method = Literal["robust", "matte", "least_squares"]
 Progress = Callable[[str, int, int], None]
 
 Mask = NDArray[np.bool_]
-UNKNOWNS: dict[str, int] = {"linear3": 3, "ambient4": 4, "harmonic9": 9}
-UNIT = 0.02  # of a direction's length: two decimals in a file
-ASKED = 50_000  # pixels, about, that tell whether the images are burnt out
-FEWEST = 3  # photographs that a pixel is solved from
 LEAST_TRUST = 60.0  # degrees: the standard error at which a normal says nothing
 
 
@@ -104,30 +110,30 @@ def photometric_stereo(
     >>> found.surface.albedo[0, 0].round(4), found.ambiguity.name
     (np.float32(0.5), 'none')
     """
-    _among(integration, get_args(Integration), "integration")
-    _among(method, get_args(Method), "method")
-    _among(model, ("auto", *UNKNOWNS), "model")
-    array = _checked_images(images)
+    require_among(integration, get_args(Integration), "integration")
+    require_among(method, get_args(Method), "method")
+    require_among(model, ("auto", *UNKNOWNS), "model")
+    array = checked_images(images)
     inside = checked_mask(mask, (array.shape[1], array.shape[2]))
     semi = isinstance(intensities, str)
     if semi and intensities != "unknown":
         raise HarmonicFaceError(f"intensities: expected numbers or 'unknown', got {intensities!r}")
-    brightness = None if semi or intensities is None else _checked_intensities(intensities, len(array))
-    stack = Stack(array, inside, balance(brightness), _checked_saturation(saturation))
-    _not_burnt_out(stack)
+    brightness = None if semi or intensities is None else checked_intensities(intensities, len(array))
+    stack = Stack(array, inside, balance(brightness), checked_saturation(saturation))
+    require_unburnt(stack)
     if lights is None:
-        _enough(len(array), "linear3" if model == "auto" else model)
+        require_enough(len(array), "linear3" if model == "auto" else model)
         grey = None if brightness is None else effective(brightness)
         found = find_lights(stack, model, method, face, grey, tell)
     elif _are_directions(lights):
-        _among(model, ("auto", "linear3"), "model of lamps whose directions are known")
-        directions = _checked_directions(lights, len(array))
-        _enough(len(array), "linear3")
+        require_among(model, ("auto", "linear3"), "model of lamps whose directions are known")
+        directions = checked_directions(lights, len(array))
+        require_enough(len(array), "linear3")
         if brightness is not None:
             directions = directions * effective(brightness)[:, None]
         found = under_lamps(stack, directions, method, semi, tell)
     else:
-        _enough(len(array), "linear3")
+        require_enough(len(array), "linear3")
         found = under_general_light(stack, lights, model, tell)
     factors = leading_factors(_told(stack, tell), min(UNKNOWNS[found.model], len(array)))
     surface = _surface(found.pixels, inside, pixel_size, integration, intrinsics, distance, tell)
@@ -205,98 +211,3 @@ def _surface(
 def _trust(confidence: Floats) -> Floats:
     """Return inverse variances of normals, those that nothing determines as the least that is sensible."""
     return 1 / (1 + np.minimum(confidence, LEAST_TRUST).astype(np.float64) ** 2)
-
-
-def _checked_images(images: ArrayLike) -> Images:
-    if isinstance(images, Sequence) and len({np.shape(image) for image in images}) > 1:
-        shapes = [np.shape(image) for image in images]
-        odd = next(index for index, shape in enumerate(shapes) if shape != shapes[0])
-        raise HarmonicFaceError(
-            f"images: expected all of one shape, got {shapes[0]} of the first and {shapes[odd]} of image {odd}"
-        )
-    mapped = isinstance(images, np.memmap) and images.dtype in (np.float32, np.float64)
-    stack: Images = images if mapped else _validate.floats(images, "images")  # type: ignore[assignment]
-    if stack.ndim not in (3, 4) or stack.shape[3:] not in ((), (3,)) or stack.size == 0:
-        raise HarmonicFaceError(
-            f"images: expected an array of shape (n, h, w) or (n, h, w, 3), got {_validate.describe(stack)}"
-        )
-    return stack
-
-
-def checked_mask(mask: ArrayLike | None, shape: tuple[int, int]) -> Mask:
-    """Return the mask, or one of all pixels.
-
-    Raises
-    ------
-    HarmonicFaceError
-        Another shape or type, an empty mask.
-    """
-    return _validate.mask(np.ones(shape, bool) if mask is None else mask, "mask", shape)
-
-
-def _checked_directions(lights: Any, count: int) -> Floats:
-    """Return unit directions exactly, from those that have two decimals."""
-    rows = _validate.vectors(lights, "lights").astype(np.float64)
-    if rows.shape != (count, 3):
-        raise HarmonicFaceError(f"lights: expected one direction an image, shape ({count}, 3), got {rows.shape}")
-    lengths = np.linalg.norm(rows, axis=1)
-    for index in np.flatnonzero(np.abs(lengths - 1) > UNIT):
-        got = "zero" if lengths[index] == 0 else f"one of length {lengths[index]:.4g}"
-        raise HarmonicFaceError(
-            f"lights: expected unit directions (brightness goes into intensities), got {got} for image {index}"
-        )
-    return np.asarray(rows / lengths[:, None])
-
-
-def _checked_intensities(intensities: ArrayLike, count: int) -> Floats:
-    values = _validate.finite(intensities, "intensities").astype(np.float64)
-    if values.shape not in ((count,), (count, 3)):
-        raise HarmonicFaceError(f"intensities: expected shape ({count},) or ({count}, 3), got {values.shape}")
-    if not (values > 0).all():
-        raise HarmonicFaceError(f"intensities: expected numbers above 0, got {values.min():.4g}")
-    return values
-
-
-def _checked_saturation(saturation: float) -> float:
-    if isinstance(saturation, bool) or not saturation > 0:
-        raise HarmonicFaceError(f"saturation: expected a number above 0, got {saturation}")
-    return float(saturation)
-
-
-def _not_burnt_out(stack: Stack) -> None:
-    """Refuse photographs of which most pixels are burnt out in all but two, as of another range than was said."""
-    step = max(int(np.sqrt(stack.pixels / ASKED)), 1)
-    thin = Stack(stack.images[:, ::step, ::step], stack.mask[::step, ::step], stack.balance, stack.saturation)
-    if not thin.mask.any():
-        return
-    enough = min(FEWEST, len(stack))
-    burnt = np.concatenate([(block < stack.saturation).sum(axis=0) < enough for block in thin.blocks()])
-    if burnt.mean() > 0.5:
-        raise HarmonicFaceError(
-            f"images: expected intensities below saturation={stack.saturation:g} in {enough} photographs of most"
-            f" pixels, got {burnt.mean():.0%} of them burnt out in too many (saturation=inf: images have no ceiling)"
-        )
-
-
-def balance(brightness: Floats | None) -> Floats | None:
-    """Return by what colours are multiplied so that each light is white: 1 / brightness, with mean 1."""
-    if brightness is None or brightness.ndim == 1:
-        return None
-    return np.asarray(1 / brightness / (1 / brightness).mean(axis=1, keepdims=True))
-
-
-def effective(brightness: Floats) -> Floats:
-    """Return the brightness of each light in the grey of balanced colours, (n,)."""
-    return brightness if brightness.ndim == 1 else np.asarray(1 / (1 / brightness).mean(axis=1))
-
-
-def _enough(count: int, model: str) -> None:
-    if count < UNKNOWNS[model]:
-        raise HarmonicFaceError(
-            f"images: expected at least {UNKNOWNS[model]}, as many as {model} has unknowns a pixel, got {count}"
-        )
-
-
-def _among(value: object, known: Sequence[str], name: str) -> None:
-    if value not in known:
-        raise HarmonicFaceError(f"{name}: expected one of {', '.join(known)}, got {value!r}")
