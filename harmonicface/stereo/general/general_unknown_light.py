@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.stereo.depth.integration import integrate_normals
+from harmonicface.stereo.depth.rim import outward_slant
 from harmonicface.stereo.factors import Factors, leading_factors
 from harmonicface.stereo.general.foreign_photographs import foreign_photographs
 from harmonicface.stereo.general.general_light_checks import FEWEST, checked_photographs, require_three_dimensions
@@ -20,7 +21,6 @@ from harmonicface.stereo.general.pixel_refinement import refine
 from harmonicface.stereo.general.reduction import reduced, reduced_mask
 from harmonicface.stereo.general.silhouette import balloon_normals
 from harmonicface.stereo.general.sky_cells import SOLID_ANGLE, Singles, cell_directions, cell_shades, cell_visibility
-from harmonicface.stereo.lamps.rim import outward_slant
 from harmonicface.stereo.light_model import MODELS, SPARE, LightModel, choose_light_model
 from harmonicface.stereo.result import Ambiguity, Model
 

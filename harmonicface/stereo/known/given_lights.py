@@ -16,10 +16,10 @@ from harmonicface.stereo.in_blocks import Pixels, Stack, solved
 from harmonicface.stereo.known import known_lights
 from harmonicface.stereo.known.bad_images import find_bad_images
 from harmonicface.stereo.known.general_light import general_light_normals, light_coefficients
+from harmonicface.stereo.known.handedness import check_axes
 from harmonicface.stereo.known.known_lights import check_span
 from harmonicface.stereo.known.misfit import model_misfit
 from harmonicface.stereo.known.semi_calibrated import semi_calibrated
-from harmonicface.stereo.lamps.handedness import check_axes
 from harmonicface.stereo.result import Ambiguity, Model
 
 ASKED = 50_000  # pixels that tell which photographs do not belong, and how bright lamps are

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from harmonicface._validate import Floats
+from harmonicface.stereo.depth.curl import BLACK
 from harmonicface.stereo.lamps.bas_relief import bas_relief, relief_of_equal_lamps
-from harmonicface.stereo.lamps.integrability import BLACK
 
 Doubles = NDArray[np.float64]
 Mask = NDArray[np.bool_]

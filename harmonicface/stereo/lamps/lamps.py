@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
+from harmonicface.stereo.depth.rim import DECIDED, outward_slant
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.known import known_lights
 from harmonicface.stereo.known.misfit import model_misfit
 from harmonicface.stereo.known.robust import robust_normals
 from harmonicface.stereo.lamps.bas_relief_cues import matrix_of
-from harmonicface.stereo.lamps.rim import DECIDED, outward_slant
 from harmonicface.stereo.result import Ambiguity
 
 Doubles = NDArray[np.float64]

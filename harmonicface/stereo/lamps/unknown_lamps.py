@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.stereo.depth.rim import DECIDED
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.lamps.bas_relief_cues import (
     Cue,
@@ -25,7 +26,6 @@ from harmonicface.stereo.lamps.integrability import integrable_frame
 from harmonicface.stereo.lamps.lamps import Lamps, bulging, doubt_of, stated_under
 from harmonicface.stereo.lamps.matte_refinement import Refined, refined
 from harmonicface.stereo.lamps.plane_of_lamps import check_plane
-from harmonicface.stereo.lamps.rim import DECIDED
 from harmonicface.stereo.lamps.unknown_directions import checked_inside
 from harmonicface.stereo.result import Ambiguity
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.lamps.integrability import SCALE, curl_terms
+from harmonicface.stereo.depth.curl import SCALE, curl_terms
 
 Mask = NDArray[np.bool_]
 

@@ -10,7 +10,7 @@ import pytest
 from harmonicface.bench.hard_photographs import bumpy_ball, lamps, photographed
 from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.lamps.handedness import check_axes
+from harmonicface.stereo.known.handedness import check_axes
 from harmonicface.stereo.photometric_stereo import photometric_stereo
 
 NORMALS, MASK = bumpy_ball(30)

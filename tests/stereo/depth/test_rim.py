@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harmonicface.stereo.lamps.rim import outward_slant
+from harmonicface.stereo.depth.rim import outward_slant
 from tests.stereo.lamp_scenes import bumpy_ball
 
 
