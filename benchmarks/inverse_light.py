@@ -5,7 +5,6 @@ python benchmarks/inverse_light.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Callable
 
@@ -22,7 +21,8 @@ from harmonicface.appearance.sparse_light import sparse_light
 from harmonicface.appearance.sphere_views import combine_sphere_views, relative_errors
 from harmonicface.appearance.texture_separation import separate_texture
 from harmonicface.appearance.uniqueness import light_uniqueness
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record, best_seconds
 from harmonicface.harmonics.indexing import degrees
 
 Array = NDArray[np.float64]
@@ -329,17 +329,5 @@ def records(quick: bool) -> list[Record]:
     return [*found, texture(seeds), *uniqueness()]
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="fewer lights and smaller pictures")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    found = records(options.quick)
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "fewer lights and smaller pictures")

@@ -7,7 +7,6 @@ on the others alone. Run it as `python benchmarks/occlusion.py [--quick] [--json
 
 from __future__ import annotations
 
-import argparse
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -19,8 +18,9 @@ from numpy.typing import NDArray
 
 from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
+from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.contenders import Contender, Person
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.measure import Record
 from harmonicface.bench.occlusion import Picture, behind_block, behind_glasses
 from harmonicface.bench.ordeals import YALE_EYES
 from harmonicface.bench.yale_b import learned
@@ -183,21 +183,5 @@ def records(quick: bool) -> Iterator[Record]:
         print(f"skipped: the photographs of Yale B are not in {DATA} (set HARMONICFACE_DATA)")
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--quick", action="store_true", help="20 synthetic people, a twelfth of the photographs; else a quarter"
-    )
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    collected = []
-    for record in records(options.quick):
-        print_records([record])
-        collected.append(record)
-    if options.json:
-        write_records(options.json, collected)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "20 synthetic people, a twelfth of the photographs; else a quarter")

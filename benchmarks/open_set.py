@@ -7,7 +7,6 @@ predict strangers was chosen on people 1 to 5. Run it as `python benchmarks/open
 
 from __future__ import annotations
 
-import argparse
 import os
 import tempfile
 import time
@@ -18,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
 from harmonicface.bench.yale_b import enrolled_people
 from harmonicface.bench.yale_contenders import ClassifierContender
 from harmonicface.datasets.yale_b import YalePerson, load_yale_b
@@ -261,22 +261,5 @@ def records(quick: bool) -> Iterator[Record]:
         yield peer(name, faces, count)
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="3 splits and one peer")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    if not DATA.is_dir():
-        print(f"skipped: the photographs of Yale B are not in {DATA} (set HARMONICFACE_DATA)")
-        return
-    found = []
-    for record in records(options.quick):
-        print_records([record])
-        found.append(record)
-    if options.json:
-        write_records(options.json, found)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "3 splits and one peer", needs=DATA)

@@ -11,7 +11,6 @@ methods that compare photographs do as was published, and those of nine dimensio
 
 from __future__ import annotations
 
-import argparse
 import os
 import time
 from collections.abc import Iterator
@@ -22,7 +21,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
 from harmonicface.bench.published import DIFFERENCES, Published, published
 from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.recognition.estimators.base import FaceClassifier
@@ -126,22 +126,5 @@ def records(quick: bool) -> Iterator[Record]:
                 yield record(row, wide, registration=True)
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="the face alone, without the sampled cone")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    if not DATA.is_dir():
-        print(f"skipped: the photographs of Yale B are not in {DATA} (set HARMONICFACE_DATA)")
-        return
-    found = []
-    for one in records(options.quick):
-        print_records([one])
-        found.append(one)
-    if options.json:
-        write_records(options.json, found)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "the face alone, without the sampled cone", needs=DATA)

@@ -5,18 +5,16 @@ python benchmarks/stereo.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
-import sys
 import time
 from collections.abc import Callable, Iterator
-from itertools import chain
 
 import numpy as np
 from scipy.sparse import diags_array, kron
 from scipy.sparse.linalg import spsolve
 from sklearn.utils.extmath import randomized_svd
 
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record, best_seconds
 from harmonicface.stereo.depth.integration import integrate_normals
 from harmonicface.stereo.factors import leading_factors
 from harmonicface.stereo.known.least_squares import plain_least_squares
@@ -137,21 +135,13 @@ def solved_directly(normals: np.ndarray, step: float) -> tuple[np.ndarray, float
     return (depth - depth.mean()).reshape(side, side), seconds
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="a fifth of the pixels, without numpy's decomposition")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    pixels = 50_000 if options.quick else 250_000
-    found = []
-    for row in chain(factors(pixels, options.quick), least_squares(pixels), integration(128 if options.quick else 512)):
-        print_records([row])
-        sys.stdout.flush()
-        found.append(row)
-    if options.json:
-        write_records(options.json, found)
+def records(quick: bool) -> Iterator[Record]:
+    """Ask each question in turn."""
+    pixels = 50_000 if quick else 250_000
+    yield from factors(pixels, quick)
+    yield from least_squares(pixels)
+    yield from integration(128 if quick else 512)
 
 
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "a fifth of the pixels, without numpy's decomposition")

@@ -9,7 +9,6 @@ Yale B people 1 to 5.
 
 from __future__ import annotations
 
-import argparse
 import os
 import time
 from collections.abc import Iterator
@@ -18,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
 from harmonicface.datasets.diligent import load_diligent
 from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.stereo.known.robust import robust_normals
@@ -88,22 +88,5 @@ def records(quick: bool) -> Iterator[Record]:
         yield yale_row(number)
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="the ball, and two people")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    if not DATA.is_dir():
-        print(f"skipped: no data in {DATA} (set HARMONICFACE_DATA)")
-        return
-    found = []
-    for record in records(options.quick):
-        print_records([record])
-        found.append(record)
-    if options.json:
-        write_records(options.json, found)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "the ball, and two people", needs=DATA)

@@ -6,7 +6,6 @@ chosen on people 1-5; people 6-11 had no say in them.
 
 from __future__ import annotations
 
-import argparse
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -19,7 +18,8 @@ from scipy.ndimage import gaussian_filter
 from scipy.optimize import nnls
 
 from harmonicface.appearance.basis import harmonic_images
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
 from harmonicface.datasets.yale_b import YalePerson, load_yale_b
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.grid import sphere_grid
@@ -238,22 +238,5 @@ def records(quick: bool) -> Iterator[Record]:
         yield judged(f"with shadows, order 4, registered, {name}", projection(pictures(other, 4, True)), asked)
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="order 4 alone, and fewer ingredients")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    if not DATA.is_dir():
-        print(f"skipped: the photographs of Yale B are not in {DATA} (set HARMONICFACE_DATA)")
-        return
-    found = []
-    for record in records(options.quick):
-        print_records([record])
-        found.append(record)
-    if options.json:
-        write_records(options.json, found)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "order 4 alone, and fewer ingredients", needs=DATA)

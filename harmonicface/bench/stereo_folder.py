@@ -24,7 +24,6 @@ from harmonicface.stereo.result import StereoResult
 from harmonicface.surfaces.textured_mesh import MOST_VERTICES, textured_mesh
 
 PAGE = "report.html"
-LARGEST_MAP = 4096  # pixels a side of a picture to look at
 
 
 def write_stereo_folder(
