@@ -28,6 +28,7 @@ from harmonicface.stereo.motion import displacement, resample
 from harmonicface.stereo.photometric_stereo import Integration, Method, photometric_stereo
 from harmonicface.stereo.registration import Registration, register
 from harmonicface.stereo.result import StereoResult
+from harmonicface.stereo.squares import square_sums
 from harmonicface.surfaces.textured_mesh import MOST_VERTICES
 
 MODELS = ("auto", "linear3", "ambient4", "harmonic9")
@@ -196,9 +197,7 @@ def _mask(mask: str | None, folder: Path | None, photographs: Photographs) -> tu
     inside = read_mask(file)
     side = photographs.reduce
     if side > 1:
-        height, width = (length // side for length in inside.shape)
-        squares = inside[: height * side, : width * side].reshape(height, side, width, side)
-        inside = 2 * squares.sum(axis=(1, 3)) >= side**2
+        inside = 2 * square_sums(inside, side) >= side**2
     if inside.shape != photographs.shape:
         expected, got = (f"{shape[1]} x {shape[0]}" for shape in (photographs.shape, inside.shape))
         raise HarmonicFaceError(f"{file}: expected a mask of {expected} pixels as the photographs have, got {got}")

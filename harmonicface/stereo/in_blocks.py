@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.stereo.squares import square_sums
 
 BLOCK = 1 << 23  # observations at a time: 32 MB in float32, and some copies in float64
 
@@ -114,15 +115,15 @@ class Stack:
             return self, 1
         height, width = self.mask.shape[0] // side, self.mask.shape[1] // side
         count = len(self)
-        inside = _squares(self.mask.astype(np.float32), side)
+        inside = square_sums(self.mask, side)
         images = np.empty((count, height, width), np.float32)
         step = max(BLOCK // (count * width * side**2), 1)
         for top in range(0, height, step):
             bottom = min(top + step, height)
             rows = self._rows(top * side, bottom * side)
             part = self.mask[top * side : bottom * side]
-            means = _squares(np.where(part, rows, 0.0), side) / np.maximum(inside[top:bottom], 1)
-            full = _squares((part & (rows >= self.saturation)).astype(np.float32), side) > 0
+            means = square_sums(np.where(part, rows, 0.0), side) / np.maximum(inside[top:bottom], 1)
+            full = square_sums(part & (rows >= self.saturation), side) > 0
             images[:, top:bottom] = np.where(full, self.saturation, means)
         return Stack(images, 2 * inside >= side**2, saturation=self.saturation), side
 
@@ -141,13 +142,6 @@ class Stack:
             grey = np.einsum("nhwc,nc->nhw", rows, self.balance.astype(rows.dtype) / 3)
         grey[full] = self.saturation
         return np.asarray(grey)
-
-
-def _squares(pictures: Floats, side: int) -> Floats:
-    """Return the sums over squares of pixels of (..., h, w) pictures; what does not fill a square is left out."""
-    height, width = pictures.shape[-2] // side, pictures.shape[-1] // side
-    whole = pictures[..., : height * side, : width * side]
-    return np.asarray(whole.reshape(*whole.shape[:-2], height, side, width, side).sum(axis=(-3, -1)))
 
 
 def solved(
