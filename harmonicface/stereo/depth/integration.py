@@ -73,19 +73,31 @@ def integrate_normals(
     >>> integrate_normals(tilted)[0].round(6)
     array([-0.75,  0.  ,  0.75])
     """
+    field, inside = checked_field(normals, mask)
+    step = _validate.positive(pixel_size, "pixel_size")
+    upright = _upright(np.where(inside[..., None], field, 0.0).astype(np.float64), inside, _checked_angle(steepest))
+    trust = np.ones(inside.shape) if weights is None else _checked_weights(weights, inside)
+    right = _steps(upright[:, :-1], upright[:, 1:], 0)
+    down = -_steps(upright[1:], upright[:-1], 1)
+    between = _between(trust[:, :-1], trust[:, 1:]), _between(trust[:-1], trust[1:])
+    return step * depth_from_steps(right, down, *between, inside)
+
+
+def checked_field(normals: ArrayLike, mask: ArrayLike | None) -> tuple[Floats, Mask]:
+    """Return normals (h, w, 3) of unit length in their mask, and the mask: by default where they are not zero.
+
+    Raises
+    ------
+    HarmonicFaceError
+        Another shape, vectors that are not of unit length, an empty mask.
+    """
     field = _validate.floats(normals, "normals")
     if field.ndim != 3 or field.shape[2] != 3 or field.size == 0:
         raise HarmonicFaceError(f"normals: expected an array of shape (h, w, 3), got {_validate.describe(field)}")
     shape = (field.shape[0], field.shape[1])
     inside = _validate.mask(field.any(axis=2) if mask is None else mask, "mask", shape)
     _validate.unit_normals(field[inside], "normals")
-    step = _validate.positive(pixel_size, "pixel_size")
-    upright = _upright(np.where(inside[..., None], field, 0.0).astype(np.float64), inside, _checked_angle(steepest))
-    trust = np.ones(shape) if weights is None else _checked_weights(weights, inside)
-    right = _steps(upright[:, :-1], upright[:, 1:], 0)
-    down = -_steps(upright[1:], upright[:-1], 1)
-    between = _between(trust[:, :-1], trust[:, 1:]), _between(trust[:-1], trust[1:])
-    return step * depth_from_steps(right, down, *between, inside)
+    return field, inside
 
 
 def depth_from_steps(

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.depth.integration import STEEPEST, depth_from_steps
+from harmonicface.stereo.depth.integration import STEEPEST, checked_field, depth_from_steps
 from harmonicface.surfaces.perspective import checked_intrinsics, rays
 
 Mask = NDArray[np.bool_]
@@ -119,12 +119,8 @@ def steps_between(
     HarmonicFaceError
         What `integrate_perspective` refuses.
     """
-    field = _validate.floats(normals, "normals")
-    if field.ndim != 3 or field.shape[2] != 3 or field.size == 0:
-        raise HarmonicFaceError(f"normals: expected an array of shape (h, w, 3), got {_validate.describe(field)}")
-    shape = (field.shape[0], field.shape[1])
-    inside = _validate.mask(field.any(axis=2) if mask is None else mask, "mask", shape)
-    _validate.unit_normals(field[inside], "normals")
+    field, inside = checked_field(normals, mask)
+    shape = inside.shape[0], inside.shape[1]
     trust = _checked_weights(weights, inside)
     towards = np.broadcast_to([0.0, 0.0, 1.0], (*shape, 3))
     focal = None
