@@ -6,7 +6,6 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from PIL import Image
 
 import harmonicface as hf
 from harmonicface.bench.contenders import METHODS
-from harmonicface.cli import main
+from tests.command import Run, runner
 
 ADA, EMMY = hf.synthetic_people(2, 24, seed=1)
 LAMPS = [hf.lights.from_angles(azimuth, elevation) for azimuth, elevation in ((0, 0), (40, 10), (-30, 20), (10, -30))]
@@ -32,30 +31,9 @@ f 4 1 5
 """
 
 
-@dataclass
-class Answer:
-    code: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Answer]
-
-
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    def called(*arguments: object) -> Answer:
-        monkeypatch.setattr(sys, "argv", ["harmonicface", *map(str, arguments)])
-        capsys.readouterr()
-        code = 0
-        try:
-            main()
-        except SystemExit as leaving:
-            code = int(leaving.code or 0)
-        said = capsys.readouterr()
-        return Answer(code, said.out, said.err)
-
-    return called
+    return runner(monkeypatch, capsys)
 
 
 @pytest.fixture

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +10,10 @@ import pytest
 from PIL import Image
 
 import harmonicface as hf
-from harmonicface.cli import main
+from tests.command import Run, runner
 
 ADA, EMMY = (hf.synthetic_person(seed, (96, 84)) for seed in (1, 2))
 LAMPS = [[0, 0, 1], [0.5, 0.2, 1], [-0.4, 0.3, 1]]
-
-Run = Callable[..., tuple[int, str, str]]
 
 
 def scene(person: hf.Surface, light: list[float], left: int = 90, top: int = 60) -> np.ndarray:
@@ -29,15 +25,8 @@ def scene(person: hf.Surface, light: list[float], left: int = 90, top: int = 60)
 
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], folder: Path) -> Run:
-    def called(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.chdir(folder)
-        monkeypatch.setattr(sys, "argv", ["harmonicface", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        said = capsys.readouterr()
-        return int(ended.value.code or 0), said.out, said.err
-
-    return called
+    monkeypatch.chdir(folder)
+    return runner(monkeypatch, capsys)
 
 
 @pytest.fixture

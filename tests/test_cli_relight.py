@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,28 +10,19 @@ from numpy.testing import assert_allclose
 
 import harmonicface as hf
 from harmonicface.appearance.relight import relight
-from harmonicface.cli import main
 from harmonicface.reflectance.materials import Microfacet, Phong
+from tests.command import Run, runner
 
 ADA = hf.synthetic_person(2, 24)
 STEP = 1.5 / 255  # of a stored picture's slope toward linear light, half a step
 MAP = np.random.default_rng(0).uniform(size=(8, 16, 3)).astype(np.float32)
 WEDGE = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], folder: Path) -> Run:
-    def called(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.chdir(folder)
-        monkeypatch.setattr(sys, "argv", ["harmonicface", "relight", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        said = capsys.readouterr()
-        return int(ended.value.code or 0), said.out, said.err
-
-    return called
+    monkeypatch.chdir(folder)
+    return runner(monkeypatch, capsys, "relight")
 
 
 @pytest.fixture

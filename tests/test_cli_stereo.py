@@ -6,18 +6,16 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from harmonicface.cli import main
 from harmonicface.io.lights_file import read_lights_file
 from harmonicface.io.meshes import read_mesh
 from harmonicface.surfaces.surface import Surface
+from tests.command import Run, runner
 
 SIZE, RADIUS = 48, 20.0
 ROWS, COLUMNS = np.mgrid[:SIZE, :SIZE]
@@ -35,30 +33,9 @@ EXPECTED = {
 }  # fmt: skip
 
 
-@dataclass
-class Answer:
-    code: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Answer]
-
-
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    def called(*arguments: object) -> Answer:
-        monkeypatch.setattr(sys, "argv", ["harmonicface", "stereo", *map(str, arguments)])
-        capsys.readouterr()
-        code = 0
-        try:
-            main()
-        except SystemExit as leaving:
-            code = int(leaving.code or 0)
-        said = capsys.readouterr()
-        return Answer(code, said.out, said.err)
-
-    return called
+    return runner(monkeypatch, capsys, "stereo")
 
 
 def photographs(folder: Path, colour: bool = True, shape: np.ndarray = NORMALS) -> Path:
