@@ -150,6 +150,21 @@ def first_order_normals(right: Floats, mask: Mask) -> Doubles:
     ------
     HarmonicFaceError
         Factors in fewer than four dimensions, too few pixels, coordinates that no surface gives.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[1:-1:30j, -1:1:30j]
+    >>> mask = x**2 + y**2 < 0.9
+    >>> across = 1.2 * x + 0.6 * np.cos(3 * x + 1) * np.cos(4 * y)
+    >>> up = 1.2 * y - 0.8 * np.sin(3 * x + 1) * np.sin(4 * y)
+    >>> normals = np.stack([across, up, np.ones_like(x)], axis=2)[mask]  # of a hill with bumps
+    >>> normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    >>> factors = np.random.default_rng(0).normal(size=(4, 4)) @ np.column_stack([np.ones(len(normals)), normals]).T
+    >>> found = first_order_normals(factors, mask)
+    >>> found /= np.linalg.norm(found, axis=1, keepdims=True)
+    >>> inside_out = found * [-1, -1, 1]
+    >>> bool(max((found * normals).sum(axis=1).mean(), (inside_out * normals).sum(axis=1).mean()) > 0.99)
+    True
     """
     cone = null_cone(right) @ np.asarray(right, np.float64)
     scaled = integrable(cone, mask) @ cone

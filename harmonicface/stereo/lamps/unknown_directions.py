@@ -62,6 +62,21 @@ def unknown_directions(
     ------
     HarmonicFaceError
         Fewer than six photographs, photographs that do not span three dimensions, a mask without inner pixels.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[1:-1:30j, -1:1:30j]
+    >>> mask = x**2 + y**2 < 0.9
+    >>> across = 1.2 * x + 0.6 * np.cos(3 * x + 1) * np.cos(4 * y)
+    >>> up = 1.2 * y - 0.8 * np.sin(3 * x + 1) * np.sin(4 * y)
+    >>> normals = np.stack([across, up, np.ones_like(x)], axis=2)[mask]  # of a hill with bumps
+    >>> normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    >>> towards = np.random.default_rng(0).normal((0, 0, 2), 0.7, (12, 3))
+    >>> towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    >>> found = unknown_directions(np.maximum(towards @ normals.T, 0), mask)
+    >>> apart = np.degrees(np.arccos((found.lights * towards).sum(axis=1) / np.linalg.norm(found.lights, axis=1)))
+    >>> bool(apart.max() < 3), found.ambiguity.name
+    (True, 'none')
     """
     if len(observations) < LEAST_LAMPS:
         raise HarmonicFaceError(
