@@ -1,0 +1,76 @@
+"""Compaction: shards that have lost entries or are small are written again, so that what is removed is in no file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.store.manifest import Listed
+from harmonicface.store.part import Part
+from harmonicface.store.shard import damaged_entries
+from harmonicface.store.tensors import checksum
+from harmonicface.store.version import Cache, Version, opened
+from harmonicface.store.writing import commit, is_sound, rewritten
+
+
+def compact(folder: Path, cache: Cache, version: Version, shard_bytes: int) -> int:
+    """Write again what has to be, one new shard and one manifest at a time; return how many bytes less it takes."""
+    before = version.nbytes
+    planned = groups(version, shard_bytes)
+    for part in (part for group in planned for part in group):
+        if not is_sound(part):
+            raise HarmonicFaceError(
+                f"compact: expected shards without damage, got {part.listed.record.file}: see `verify`"
+            )
+    for group in planned:
+        files = [one.record.file for one in version.manifest.shards]
+        first = files.index(group[0].listed.record.file)
+        places = range(first, first + len(group))
+        commit(folder, rewritten(folder, version.manifest, places, group))
+        version = opened(folder, cache, leave_out_damaged=True)
+    return before - version.nbytes
+
+
+def groups(version: Version, shard_bytes: int) -> list[list[Part]]:
+    """Return neighbouring shards that become one: up to so many bytes, or a single one that has changed."""
+    found: list[list[Part]] = [[]]
+    total = 0.0
+    for part in version.all_parts:
+        record = part.listed.record
+        left = record.nbytes * len(part) / record.entries
+        if not _to_be_written(part) and record.nbytes >= shard_bytes / 2:
+            found, total = [*found, []], 0.0
+            continue
+        if found[-1] and total + left > shard_bytes:
+            found, total = [*found, []], 0.0
+        found[-1].append(part)
+        total += left
+    return [group for group in found if len(group) > 1 or any(_to_be_written(part) for part in group)]
+
+
+def without_damaged(version: Version) -> tuple[Listed, ...]:
+    """Return the shards without entries that are not what was written, and without those that cannot be opened."""
+    return tuple(one for one in map(_undamaged, version.all_parts) if one is not None)
+
+
+def _undamaged(part: Part) -> Listed | None:
+    """Return a shard's line with its damaged entries removed; None if nothing is left."""
+    try:
+        bad = set(damaged_entries(part.shard, part.indices))
+        for index in part.indices.tolist():
+            part.key(index), part.shard.directory.about(index)
+    except HarmonicFaceError:
+        return None
+    if len(bad) == len(part):
+        return None
+    if not bad:
+        return part.listed
+    renamed = {index: key for index, key in part.listed.renamed.items() if index not in bad}
+    return replace(part.listed, removed=tuple(sorted({*part.listed.removed, *bad})), renamed=renamed)
+
+
+def _to_be_written(part: Part) -> bool:
+    """Tell whether a shard has lost or renamed entries, or one of its directories is damaged."""
+    said = part.listed.record.directory
+    return part.changed or any(checksum(copy) != said for copy in part.shard.directory_copies())
