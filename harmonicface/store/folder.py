@@ -248,6 +248,8 @@ class ArrayFolder:
     def discard_damaged(self) -> tuple[Damage, ...]:
         """Remove the entries that are not what was written, and shards that cannot be opened with everybody in them.
 
+        The damaged bytes stay in their files until `compact`, and `verify` tells of them without anybody's key.
+
         Returns
         -------
         tuple
@@ -258,7 +260,7 @@ class ArrayFolder:
         HarmonicFaceError
             A damaged manifest.
         """
-        with writing.alone(self.path, self._cache) as version:
+        with writing.alone(self.path, {}) as version:  # the files as they are, not as they were mapped before
             found = damages(version)
             if found:
                 shards = compaction.without_damaged(version)

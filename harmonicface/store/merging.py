@@ -50,10 +50,10 @@ def taken_in(sizes: Sequence[int], new: int) -> int:
     count, total = 0, max(new, SMALLEST)
     while True:
         level = size_class(total)
-        while count < len(sizes) and size_class(sizes[-1 - count]) < level:
+        if count < len(sizes) and size_class(sizes[-1 - count]) < level:
             total += max(sizes[-1 - count], SMALLEST)
             count += 1
-        level = size_class(total)
+            continue
         if level == LAST:
             return count
         together, run = total, count

@@ -85,7 +85,7 @@ def packed(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, str], multipl
 
     What the length lacks is filled by an array "padding". Wide types come first, so that every array is aligned.
     """
-    named = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    named = {name: np.asarray(array, order="C") for name, array in arrays.items()}
     order = sorted(named, key=lambda name: (-named[name].itemsize, name))
     tensors = [Tensor(name, named[name].dtype, named[name].shape) for name in order]
     missing = -sum(one.nbytes for one in tensors) % multiple

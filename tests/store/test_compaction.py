@@ -1,0 +1,120 @@
+"""Compaction: what was removed is in no file, the order stays, damage is not copied."""
+
+from __future__ import annotations
+
+import pytest
+
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.store.compaction import groups
+from harmonicface.store.manifest import NAME
+
+
+def everything(folder) -> bytes:
+    return b"".join(path.read_bytes() for path in sorted(folder.path.iterdir()))
+
+
+def flip(path, place: int) -> None:
+    content = bytearray(path.read_bytes())
+    content[place] ^= 1
+    path.write_bytes(content)
+
+
+def test_removed_bytes_and_old_names_are_gone(filled, make, number) -> None:
+    secret = make(13).arrays["sizes"].tobytes()
+    filled.remove("entry 13")
+    filled.rename("entry 12", "somebody")
+    before = filled.version().nbytes
+    content = everything(filled)
+    assert secret in content
+    assert b"entry 13" in content
+    assert b"entry 12" in content
+    assert filled.compact() == before - filled.version().nbytes > 0
+    content = everything(filled)
+    assert secret not in content
+    assert b"entry 13" not in content
+    assert b"entry 12" not in content
+    assert filled.version().keys == (
+        *(f"entry {n}" for n in range(12)),
+        "somebody",
+        *(f"entry {n}" for n in range(14, 21)),
+    )
+    assert [number(entry) for entry in filled.version().entries()] == [*range(13), *range(14, 21)]
+    assert filled.verify() == ()
+    assert len(filled.version().parts) == 1
+    assert len(list(filled.path.iterdir())) == 3  # the manifest, the common arrays, one shard
+
+
+def test_a_second_time_there_is_nothing_to_do(filled) -> None:
+    filled.compact()
+    before = filled.version().generation
+    assert filled.compact() == 0
+    assert filled.version().generation == before
+
+
+def test_large_shards_that_have_lost_nobody_stay(filled) -> None:
+    sizes = [part.listed.record.nbytes for part in filled.version().parts]
+    filled.remove("entry 20")  # the last of its shard, which goes at once
+    assert len(filled.version().parts) == 2
+    before = {path: path.stat().st_mtime_ns for path in filled.path.iterdir() if path.name != NAME}
+    assert filled.compact(shard_bytes=min(sizes[:2])) == 0
+    assert {path: path.stat().st_mtime_ns for path in filled.path.iterdir() if path.name != NAME} == before
+    filled.remove("entry 3")
+    version = filled.version()
+    assert [[part.listed.record.file for part in group] for group in groups(version, min(sizes[:2]))] == [
+        [version.parts[0].listed.record.file]
+    ]
+
+
+def test_shards_are_joined_up_to_so_many_bytes(filled) -> None:
+    largest = max(part.listed.record.nbytes for part in filled.version().parts)
+    filled.remove([f"entry {n}" for n in range(0, 20, 2)])
+    filled.compact(shard_bytes=largest + 100)
+    assert [len(part) for part in filled.version().parts] == [10, 1]
+    filled.compact(shard_bytes=1 << 20)
+    assert [len(part) for part in filled.version().parts] == [11]
+
+
+def test_it_stops_before_anything_is_written_when_a_shard_is_damaged(filled) -> None:
+    last = filled.version().parts[2].listed.record
+    flip(filled.path / last.file, last.directory_start + last.directory_bytes)
+    filled.remove("entry 3")
+    before = everything(filled)
+    with pytest.raises(HarmonicFaceError, match=f"compact: expected shards without damage, got {last.file}"):
+        filled.compact()
+    assert everything(filled) == before
+
+
+def test_a_damaged_copy_of_a_directory_is_written_anew(filled) -> None:
+    record = filled.version().parts[0].listed.record
+    flip(filled.path / record.file, record.nbytes - 1)
+    assert len(filled.verify()) == 1
+    filled.compact(shard_bytes=1)
+    assert filled.verify() == ()
+    assert len(filled.version()) == 21
+
+
+def test_damaged_entries_are_discarded_and_no_others(filled, make, number) -> None:
+    records = [part.listed.record for part in filled.version().parts]
+    content = (filled.path / records[0].file).read_bytes()
+    flip(filled.path / records[0].file, content.index(make(7).arrays["sizes"].tobytes()))
+    flip(filled.path / records[0].file, content.index(make(6).arrays["sizes"].tobytes()))
+    (filled.path / records[1].file).unlink()
+    filled.rename("entry 7", "seven")
+    filled.rename("entry 8", "eight")
+    found = filled.discard_damaged()
+    assert [damage.keys for damage in found] == [("entry 6", "seven"), ()]
+    assert [damage.keys for damage in filled.verify()] == [()]  # bytes of those who are gone
+    assert [number(entry) for entry in filled.version().entries()] == [0, 1, 2, 3, 4, 5, 8, 9, 20]
+    filled.compact()
+    assert filled.verify() == ()
+    assert [number(entry) for entry in filled.version().entries()] == [0, 1, 2, 3, 4, 5, 8, 9, 20]
+    assert "eight" in filled.version()
+    assert filled.discard_damaged() == ()
+
+
+def test_a_shard_of_which_nothing_is_left_goes(filled, make) -> None:
+    record = filled.version().parts[2].listed.record
+    flip(filled.path / record.file, record.directory_start + record.directory_bytes)
+    assert [damage.keys for damage in filled.discard_damaged()] == [("entry 20",)]
+    assert not (filled.path / record.file).exists()
+    assert len(filled.version()) == 20
