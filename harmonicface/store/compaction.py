@@ -1,12 +1,16 @@
-"""Compaction: shards that have lost entries or are small are written again, so that what is removed is in no file."""
+"""Compaction: shards are written again without what was removed, or altogether with other arrays."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from harmonicface._validate import describe
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.store.manifest import Listed
+from harmonicface.store.batch import batches
+from harmonicface.store.entry import Entry
+from harmonicface.store.manifest import Listed, Manifest
 from harmonicface.store.part import Part
 from harmonicface.store.shard import damaged_entries
 from harmonicface.store.tensors import checksum
@@ -18,11 +22,7 @@ def compact(folder: Path, cache: Cache, version: Version, shard_bytes: int) -> i
     """Write again what has to be, one new shard and one manifest at a time; return how many bytes less it takes."""
     before = version.nbytes
     planned = groups(version, shard_bytes)
-    for part in (part for group in planned for part in group):
-        if not is_sound(part):
-            raise HarmonicFaceError(
-                f"compact: expected shards without damage, got {part.listed.record.file}: see `verify`"
-            )
+    refuse_damaged("compact", (part for group in planned for part in group))
     for group in planned:
         files = [one.record.file for one in version.manifest.shards]
         first = files.index(group[0].listed.record.file)
@@ -30,6 +30,32 @@ def compact(folder: Path, cache: Cache, version: Version, shard_bytes: int) -> i
         commit(folder, rewritten(folder, version.manifest, places, group))
         version = opened(folder, cache, leave_out_damaged=True)
     return before - version.nbytes
+
+
+def revise(folder: Path, version: Version, new: Manifest, change: Callable[[Entry], Entry], shard_bytes: int) -> None:
+    """Write all entries anew as `change` makes them, for a manifest that has no shards yet, and switch at once."""
+    refuse_damaged("revise", version.all_parts)
+    for batch in batches(_changed(version, change), new.kinds, shard_bytes):
+        new = rewritten(folder, new, range(len(new.shards), len(new.shards)), [batch])
+    commit(folder, new)
+
+
+def refuse_damaged(what: str, parts: Iterable[Part]) -> None:
+    """Refuse to write again what is not what was written."""
+    for part in parts:
+        if not is_sound(part):
+            raise HarmonicFaceError(
+                f"{what}: expected shards without damage, got {part.listed.record.file}: see `verify`"
+            )
+
+
+def _changed(version: Version, change: Callable[[Entry], Entry]) -> Iterator[Entry]:
+    """Yield the entries as they will be, each by its key."""
+    for entry in version.entries():
+        changed = change(entry)
+        if not isinstance(changed, Entry) or changed.key != entry.key:
+            raise HarmonicFaceError(f"change: expected an Entry of key {entry.key!r:.80}, got {describe(changed)}")
+        yield changed
 
 
 def groups(version: Version, shard_bytes: int) -> list[list[Part]]:

@@ -102,7 +102,7 @@ class ArrayFolder:
             reason = getattr(error, "strerror", None) or str(error)
             raise HarmonicFaceError(f"cannot make the folder {path!s:.300}: {reason}") from None
         with alone_in(folder):
-            if any(not writing.OURS.fullmatch(one.name) for one in folder.iterdir()):
+            if any(not writing.PARTIAL.fullmatch(one.name) for one in folder.iterdir()):
                 raise HarmonicFaceError(f"create: expected a new or an empty folder, got {path!s:.300} with files")
             writing.sweep(folder, set())
             write_manifest(folder, writing.with_common(folder, manifest, common or {}))

@@ -6,6 +6,7 @@ damaged has a copy at the other end of the file, so that whoever is in a damaged
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import mmap
 import os
@@ -57,6 +58,10 @@ class Record:
     directory: str
 
 
+class NotOpenedError(HarmonicFaceError):
+    """The system does not open a file that may be whole: too many are open, or no right to read it."""
+
+
 class Source(Protocol):
     """Entries to be written: who they are, and the pieces of each array in their order."""
 
@@ -81,6 +86,11 @@ class Shard:
         What the manifest says of it.
     kinds
         What the arrays must be.
+
+    Raises
+    ------
+    NotOpenedError
+        The system refuses to open the file, which may be whole.
     """
 
     def __init__(self, path: Path, record: Record, kinds: Mapping[str, Kind]) -> None:
@@ -92,6 +102,8 @@ class Shard:
         try:
             self._map, self._content = mapped(path, record.nbytes)
             self._arrays = self._opened(self._content)
+        except NotOpenedError:
+            raise
         except HarmonicFaceError as error:
             self.fault = str(error)
 
@@ -208,7 +220,9 @@ def mapped(path: Path, nbytes: int) -> tuple[mmap.mmap, Bytes]:
     Raises
     ------
     HarmonicFaceError
-        It is missing, no plain file, of another length, or the system maps no more.
+        It is missing, no plain file, or of another length.
+    NotOpenedError
+        The system refuses for another reason, which says nothing about the file.
     """
     try:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
@@ -222,7 +236,8 @@ def mapped(path: Path, nbytes: int) -> tuple[mmap.mmap, Bytes]:
         finally:
             os.close(handle)
     except OSError as error:
-        raise HarmonicFaceError(f"{path}: expected a file that can be mapped, got: {error.strerror}") from None
+        refused = HarmonicFaceError if error.errno in (errno.ENOENT, errno.ELOOP) else NotOpenedError
+        raise refused(f"{path}: expected a file that can be mapped, got: {error.strerror}") from None
     return content, np.frombuffer(content, np.uint8)
 
 

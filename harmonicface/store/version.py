@@ -13,7 +13,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.entry import Entry, Kind, checked_key
 from harmonicface.store.manifest import Common, Manifest, read_manifest
 from harmonicface.store.part import Damage, Part
-from harmonicface.store.shard import Record, Shard, mapped
+from harmonicface.store.shard import NotOpenedError, Record, Shard, mapped
 from harmonicface.store.tensors import checksum, header_length, views
 
 Cache = dict[Record, Shard]
@@ -153,6 +153,8 @@ class CommonArrays:
                 raise HarmonicFaceError(f"{path}: expected the header it was written with, got one that was changed")
             self._arrays = views(self._content, str(path))
             self._arrays.pop("padding", None)
+        except NotOpenedError:
+            raise
         except HarmonicFaceError as error:
             self.fault = str(error)
 

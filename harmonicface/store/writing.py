@@ -20,14 +20,14 @@ from harmonicface.io.files import alone_in, replacing
 from harmonicface.store.batch import Batch
 from harmonicface.store.directory import key_hash
 from harmonicface.store.entry import is_finite
-from harmonicface.store.manifest import Common, Listed, Manifest, write_manifest
+from harmonicface.store.manifest import SHARD_NAME, Common, Listed, Manifest, write_manifest
 from harmonicface.store.merging import taken_in
 from harmonicface.store.part import Part
 from harmonicface.store.shard import Source, damaged_entries, write_shard
 from harmonicface.store.tensors import NAMES, header_length, packed
 from harmonicface.store.version import Cache, Version, opened
 
-OURS = re.compile(r"\d{10}\.safetensors|\.\d{10}\.partial-\w+\.safetensors|\.manifest\.partial-\w+\.json")
+PARTIAL = re.compile(r"\.\d{10}\.partial-\w+\.safetensors|\.manifest\.partial-\w+\.json")
 
 
 @contextmanager
@@ -47,12 +47,17 @@ def commit(folder: Path, manifest: Manifest) -> None:
 
 def sweep(folder: Path, keep: set[str]) -> None:
     """Remove shards and temporary files that are not the folder's; what others put there is left alone."""
-    strays = [one for one in folder.iterdir() if OURS.fullmatch(one.name) and one.name not in keep]
+    strays = [one for one in folder.iterdir() if _is_ours(one.name) and one.name not in keep]
     for one in strays:
         with suppress(FileNotFoundError):
             one.unlink()
     if strays:
         make_durable(folder)
+
+
+def _is_ours(name: str) -> bool:
+    """Tell whether a file is a shard or a writer's temporary file by its name."""
+    return bool(SHARD_NAME.fullmatch(name) or PARTIAL.fullmatch(name))
 
 
 def make_durable(folder: Path) -> None:

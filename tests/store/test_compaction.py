@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+
 import pytest
 
 from harmonicface.errors import HarmonicFaceError
@@ -110,6 +113,36 @@ def test_damaged_entries_are_discarded_and_no_others(filled, make, number) -> No
     assert [number(entry) for entry in filled.version().entries()] == [0, 1, 2, 3, 4, 5, 8, 9, 20]
     assert "eight" in filled.version()
     assert filled.discard_damaged() == ()
+
+
+def test_what_the_system_does_not_open_is_not_discarded(filled, monkeypatch) -> None:
+    real = os.open
+
+    def refusing(path, *flags, **more):
+        if str(path).endswith("2.safetensors"):
+            raise OSError(errno.EMFILE, "Too many open files")
+        return real(path, *flags, **more)
+
+    monkeypatch.setattr(os, "open", refusing)
+    for call in (filled.discard_damaged, filled.verify, type(filled)(filled.path).version):
+        with pytest.raises(HarmonicFaceError, match="Too many open files"):
+            call()
+    monkeypatch.undo()
+    assert len(type(filled)(filled.path).version()) == 21
+
+
+def test_common_arrays_that_the_system_does_not_open(filled, monkeypatch) -> None:
+    real = os.open
+    file = filled.version().manifest.common.file
+
+    def refusing(path, *flags, **more):
+        if str(path).endswith(file):
+            raise OSError(errno.EACCES, "Permission denied")
+        return real(path, *flags, **more)
+
+    monkeypatch.setattr(os, "open", refusing)
+    with pytest.raises(HarmonicFaceError, match="Permission denied"):
+        filled.version()
 
 
 def test_a_shard_of_which_nothing_is_left_goes(filled, make) -> None:

@@ -150,9 +150,19 @@ def test_a_folder_that_is_taken_or_cannot_be(filled, tmp_path, kinds) -> None:
 
 def test_what_a_killed_maker_left_is_in_nobodys_way(tmp_path, kinds) -> None:
     (tmp_path / "folder").mkdir()
-    (tmp_path / "folder" / "0000000000.safetensors").write_bytes(b"x")
+    (tmp_path / "folder" / ".0000000000.partial-a_b0.safetensors").write_bytes(b"x")
     folder = ArrayFolder.create(tmp_path / "folder", kinds)
     assert [path.name for path in folder.path.iterdir()] == [NAME]
+
+
+def test_a_folder_that_has_lost_its_manifest_is_not_emptied(filled, kinds) -> None:
+    (filled.path / NAME).unlink()
+    before = sorted(filled.path.iterdir())
+    with pytest.raises(HarmonicFaceError, match="create: expected a new or an empty folder"):
+        ArrayFolder.create(filled.path, kinds)
+    with pytest.raises(HarmonicFaceError, match="expected a harmonicface store"):
+        filled.compact()
+    assert sorted(filled.path.iterdir()) == before
 
 
 def test_a_full_disk_changes_nothing(filled, make, monkeypatch) -> None:
