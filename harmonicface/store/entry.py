@@ -17,6 +17,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.tensors import MOST_AXES, NAMES
 
 LONGEST_KEY = 1024
+LONGEST_NAME, MOST_KINDS = 64, 64  # a header holds them all
 LONGEST_ABOUT = 1 << 16
 DIGEST_BYTES = 16
 
@@ -96,6 +97,22 @@ def checked_key(key: object) -> str:
     except UnicodeEncodeError:
         pass
     raise HarmonicFaceError(f"key: expected a text of 1 to {LONGEST_KEY} bytes, got {ascii(key)!s:.80}")
+
+
+def check_kinds(kinds: Mapping[str, Kind]) -> None:
+    """Refuse what is no kind by the name of an array.
+
+    Raises
+    ------
+    HarmonicFaceError
+        Another thing, a name that is no identifier or longer than 64, none at all or more than 64.
+    """
+    good = all(
+        isinstance(name, str) and name.isidentifier() and len(name) <= LONGEST_NAME and isinstance(kind, Kind)
+        for name, kind in kinds.items()
+    )
+    if not good or not 0 < len(kinds) <= MOST_KINDS:
+        raise HarmonicFaceError(f"kinds: expected a Kind by the name of each array, got {dict(kinds)!s:.80}")
 
 
 def about_text(about: Mapping[str, Any], longest: int = LONGEST_ABOUT) -> bytes:

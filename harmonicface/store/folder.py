@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -14,19 +13,15 @@ from numpy.typing import NDArray
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import alone_in
-from harmonicface.store import compaction, writing
+from harmonicface.store import writing
 from harmonicface.store.batch import batches
-from harmonicface.store.entry import Entry, Kind, about_text, checked_key
+from harmonicface.store.entry import Entry, Kind, check_kinds, checked_key
 from harmonicface.store.manifest import Listed, Manifest, read_manifest, write_manifest
-from harmonicface.store.part import Damage
-from harmonicface.store.verification import damages
-from harmonicface.store.version import Cache, Version, opened
-
-SHARD_BYTES = 1 << 28  # of arrays that are written at once
-LONGEST_ABOUT = 1 << 24
+from harmonicface.store.upkeep import SHARD_BYTES, Upkeep
+from harmonicface.store.version import Version, opened
 
 
-class ArrayFolder:
+class ArrayFolder(Upkeep):
     """A folder that keeps entries: each a key, a few words, and named arrays with its own number of rows.
 
     What a method has done is on the disk when it returns and survives a killed process and a loss of power; what it
@@ -62,8 +57,7 @@ class ArrayFolder:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
-        self._cache: Cache = {}
+        super().__init__(Path(path))
         read_manifest(self.path)
 
     @classmethod
@@ -93,9 +87,8 @@ class ArrayFolder:
             Something is there already, it cannot be made, or what is given cannot be kept.
         """
         folder = Path(path)
-        if not kinds or not all(isinstance(kind, Kind) and str(name).isidentifier() for name, kind in kinds.items()):
-            raise HarmonicFaceError(f"kinds: expected a Kind by the name of each array, got {dict(kinds)!s:.80}")
-        manifest = Manifest(dict(kinds), _checked_about(about or {}))
+        check_kinds(kinds)
+        manifest = Manifest(dict(kinds), writing.checked_about(about or {}))
         try:
             folder.mkdir(exist_ok=True)
         except (OSError, ValueError) as error:
@@ -213,74 +206,7 @@ class ArrayFolder:
             What cannot be kept.
         """
         with writing.alone(self.path, self._cache) as version:
-            manifest = version.manifest
-            if about is not None:
-                manifest = replace(manifest, about=_checked_about(about))
-            if common is not None:
-                manifest = writing.with_common(self.path, manifest, common)
-            writing.commit(self.path, manifest)
-
-    def compact(self, shard_bytes: int = SHARD_BYTES) -> int:
-        """Write shards again that have lost entries or are small; what was removed or renamed is in no file any more.
-
-        Readers of older versions keep the old files until they let go of them. Other writers wait. It needs free
-        space for one shard; a process that is killed has compacted some of them.
-
-        Parameters
-        ----------
-        shard_bytes
-            Neighbours are joined up to so many bytes; those that have lost nobody and are half as large stay.
-
-        Returns
-        -------
-        int
-            How many bytes less the files take.
-
-        Raises
-        ------
-        HarmonicFaceError
-            A damaged shard, before anything is written; or a full disk.
-        """
-        _validate.at_least(shard_bytes, 1, "shard_bytes")
-        with writing.alone(self.path, self._cache) as version:
-            return compaction.compact(self.path, self._cache, version, shard_bytes)
-
-    def discard_damaged(self) -> tuple[Damage, ...]:
-        """Remove the entries that are not what was written, and shards that cannot be opened with everybody in them.
-
-        The damaged bytes stay in their files until `compact`, and `verify` tells of them without anybody's key.
-
-        Returns
-        -------
-        tuple
-            What `verify` says of the folder before.
-
-        Raises
-        ------
-        HarmonicFaceError
-            A damaged manifest.
-        """
-        with writing.alone(self.path, {}) as version:  # the files as they are, not as they were mapped before
-            found = damages(version)
-            if found:
-                shards = compaction.without_damaged(version)
-                writing.commit(self.path, replace(version.manifest, shards=shards))
-            return found
-
-    def verify(self) -> tuple[Damage, ...]:
-        """Read every byte and compare it with its checksum; nothing is changed.
-
-        Returns
-        -------
-        tuple
-            What is damaged, with the entries in it; empty if all is well.
-
-        Raises
-        ------
-        HarmonicFaceError
-            A damaged manifest.
-        """
-        return damages(opened(self.path, {}, leave_out_damaged=True))
+            writing.commit(self.path, writing.described(self.path, version.manifest, about, common))
 
 
 def _place(version: Version, key: str) -> tuple[int, int]:
@@ -289,8 +215,3 @@ def _place(version: Version, key: str) -> tuple[int, int]:
     if found is None:
         raise HarmonicFaceError(f"key: expected one that is in the folder, got {key!r:.80}, which is not")
     return found
-
-
-def _checked_about(about: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is said of a folder as it will be read."""
-    return dict(json.loads(about_text(about, LONGEST_ABOUT)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,14 +20,15 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import alone_in, replacing
 from harmonicface.store.batch import Batch
 from harmonicface.store.directory import key_hash
-from harmonicface.store.entry import is_finite
+from harmonicface.store.entry import about_text, is_finite
 from harmonicface.store.manifest import SHARD_NAME, Common, Listed, Manifest, write_manifest
 from harmonicface.store.merging import taken_in
 from harmonicface.store.part import Part
 from harmonicface.store.shard import Source, damaged_entries, write_shard
-from harmonicface.store.tensors import NAMES, header_length, packed
+from harmonicface.store.tensors import MOST_AXES, NAMES, header_length, packed
 from harmonicface.store.version import Cache, Version, opened
 
+LONGEST_ABOUT = 1 << 24
 PARTIAL = re.compile(r"\.\d{10}\.partial-\w+\.safetensors|\.manifest\.partial-\w+\.json")
 
 
@@ -126,7 +128,8 @@ def with_common(folder: Path, manifest: Manifest, common: Mapping[str, NDArray[A
     for name, array in common.items():
         if not str(name).isidentifier() or name == "padding":
             raise HarmonicFaceError(f"common: expected names of arrays, got {str(name)!r:.80}")
-        if not isinstance(array, np.ndarray) or array.dtype not in NAMES or not is_finite(array):
+        kept = isinstance(array, np.ndarray) and array.dtype in NAMES and array.ndim <= MOST_AXES
+        if not kept or not is_finite(array):
             raise HarmonicFaceError(f"common, {name}: expected an array of finite numbers, got {describe(array)}")
     if not common:
         return replace(manifest, common=None)
@@ -137,3 +140,17 @@ def with_common(folder: Path, manifest: Manifest, common: Mapping[str, NDArray[A
     head = content[: header_length(np.frombuffer(content, np.uint8), file)]
     said = Common(file, len(content), hashlib.sha256(content).hexdigest(), hashlib.sha256(head).hexdigest())
     return replace(manifest, common=said, number=manifest.number + 1)
+
+
+def described(
+    folder: Path, manifest: Manifest, about: Mapping[str, Any] | None, common: Mapping[str, NDArray[Any]] | None
+) -> Manifest:
+    """Return a manifest with other words or other arrays of the folder's own, which are written."""
+    if about is not None:
+        manifest = replace(manifest, about=checked_about(about))
+    return manifest if common is None else with_common(folder, manifest, common)
+
+
+def checked_about(about: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is said of a folder as it will be read."""
+    return dict(json.loads(about_text(about, LONGEST_ABOUT)))

@@ -5,10 +5,13 @@ from __future__ import annotations
 import errno
 import os
 
+import numpy as np
 import pytest
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.compaction import groups
+from harmonicface.store.entry import Entry, Kind
+from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import NAME
 
 
@@ -151,3 +154,45 @@ def test_a_shard_of_which_nothing_is_left_goes(filled, make) -> None:
     assert [damage.keys for damage in filled.discard_damaged()] == [("entry 20",)]
     assert not (filled.path / record.file).exists()
     assert len(filled.version()) == 20
+
+
+def test_everything_is_revised_at_once(filled, make, number) -> None:
+    before = filled.version()
+    filled.remove("entry 3")
+    filled.rename("entry 4", "four")
+
+    def doubled(entry: Entry) -> Entry:
+        assert len(ArrayFolder(filled.path).version()) == 20  # nobody sees a part of it
+        return Entry(entry.key, {"twice": 2 * entry.arrays["sizes"][0]}, {"was": entry.about["number"]})
+
+    filled.revise(doubled, {"twice": Kind(np.dtype("f8"), (2,))}, {"version": 2}, {}, shard_bytes=200)
+    after = ArrayFolder(filled.path).version()
+    assert after.keys == ("entry 0", "entry 1", "entry 2", "four", *(f"entry {n}" for n in range(5, 21)))
+    assert (after.about, dict(after.common), len(after.parts)) == ({"version": 2}, {}, 3)
+    for entry in after.entries():
+        assert (entry.arrays["twice"] == 2 * entry.about["was"]).all()
+    assert [number(entry) for entry in before.entries()] == list(range(21))
+    assert {path.name for path in filled.path.iterdir()} == after.manifest.files | {NAME}
+    assert filled.verify() == ()
+    filled.revise(lambda entry: entry)
+    assert filled.version().keys == after.keys
+    assert filled.version().about == {"version": 2}
+
+
+def test_a_revision_that_fails_changes_nothing(filled, make) -> None:
+    before = ArrayFolder(filled.path).version().manifest
+    with pytest.raises(HarmonicFaceError, match="change: expected an Entry of key 'entry 0', got"):
+        filled.revise(lambda entry: Entry("other", entry.arrays))
+    with pytest.raises(HarmonicFaceError, match="change: expected an Entry of key 'entry 12', got NoneType None"):
+        filled.revise(lambda entry: None if entry.key == "entry 12" else entry, shard_bytes=100)
+    with pytest.raises(HarmonicFaceError, match="kinds: expected a Kind"):
+        filled.revise(lambda entry: entry, {})
+    with pytest.raises(HarmonicFaceError, match=r"'entry 0': expected arrays \['x'\]"):
+        filled.revise(lambda entry: entry, {"x": Kind(np.dtype("f4"))})
+    assert ArrayFolder(filled.path).version().manifest == before
+    last = filled.version().parts[2].listed.record
+    flip(filled.path / last.file, last.directory_start + last.directory_bytes)
+    with pytest.raises(HarmonicFaceError, match="revise: expected shards without damage"):
+        filled.revise(lambda entry: entry)
+    filled.rename("entry 1", "one")  # the next writer removes what was written in vain
+    assert {path.name for path in filled.path.iterdir()} == before.files | {NAME}

@@ -132,7 +132,17 @@ def test_about_and_common_are_replaced(filled) -> None:
         filled.describe({"what": object()})
 
 
-@pytest.mark.parametrize("kinds", [{}, {"rows": 3}, {"": Kind(np.dtype("f4"))}, {"a/b": Kind(np.dtype("f4"))}])
+@pytest.mark.parametrize(
+    "kinds",
+    [
+        {},
+        {"rows": 3},
+        {"": Kind(np.dtype("f4"))},
+        {"a/b": Kind(np.dtype("f4"))},
+        {"x" * 65: Kind(np.dtype("f4"))},
+        {f"x{n}": Kind(np.dtype("f4")) for n in range(65)},
+    ],
+)
 def test_kinds_that_are_none(tmp_path, kinds) -> None:
     with pytest.raises(HarmonicFaceError, match="kinds: expected a Kind by the name of each array"):
         ArrayFolder.create(tmp_path / "folder", kinds)

@@ -10,6 +10,7 @@ import pytest
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.store import writing
+from harmonicface.store.entry import Entry, Kind
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import NAME
 
@@ -132,7 +133,7 @@ def test_common_arrays_of_names_that_are_none(filled, name) -> None:
 
 
 @pytest.mark.parametrize(
-    "array", [[1.0], np.array(["a"]), np.array([1, np.nan]), np.ones(2, object), np.ones(2, ">f8")]
+    "array", [[1.0], np.array(["a"]), np.array([1, np.nan]), np.ones(2, object), np.ones(2, ">f8"), np.ones((1,) * 9)]
 )
 def test_common_arrays_that_are_none(filled, array) -> None:
     with pytest.raises(HarmonicFaceError, match="common, mask: expected an array of finite numbers, got"):
@@ -152,3 +153,20 @@ def test_entries_are_found_by_the_keys_of_now(filled) -> None:
 def test_the_manifest_is_never_a_stray(filled) -> None:
     writing.sweep(filled.path, set())
     assert [path.name for path in filled.path.iterdir()] == [NAME]
+
+
+def test_more_common_arrays_than_a_header_holds(filled) -> None:
+    before = filled.version().manifest
+    with pytest.raises(HarmonicFaceError, match="expected a header of at most 1048576 bytes"):
+        filled.describe(common={f"array_{n}": np.zeros(0) for n in range(20_000)})
+    assert filled.version().manifest == before
+
+
+def test_as_many_kinds_as_there_may_be(tmp_path) -> None:
+    kinds = {name.ljust(64, "x"): Kind(np.dtype("u1"), (1,) * 7) for name in "ab"}
+    kinds.update({f"x{n}".ljust(64, "y"): Kind(np.dtype("u1"), (2**39,)) for n in range(62)})
+    folder = ArrayFolder.create(tmp_path / "folder", kinds)
+    empty = {name: np.zeros((0, *kind.shape), np.uint8) for name, kind in kinds.items()}
+    folder.append([Entry("nothing", empty)])
+    assert ArrayFolder(folder.path).version().entry("nothing").nbytes == 0
+    assert folder.verify() == ()
