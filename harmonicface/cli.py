@@ -8,6 +8,7 @@ from typing import Any, NoReturn, cast
 
 import typer
 
+from harmonicface.commands.diligent import evaluate_diligent_object
 from harmonicface.commands.environment import light
 from harmonicface.commands.evaluation import bench, evaluate_yale
 from harmonicface.commands.pictures import images
@@ -29,6 +30,7 @@ for command in (bench, enroll, match, images, relight, light, stereo):
     app.command()(command)
 evaluate = typer.Typer(help="Published protocols on data that you have.", no_args_is_help=True)
 evaluate.command("yale-b")(evaluate_yale)
+evaluate.command("diligent")(evaluate_diligent_object)
 app.add_typer(evaluate, name="evaluate")
 
 

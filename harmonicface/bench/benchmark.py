@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
 from harmonicface.bench.contenders import METHODS, Contender, GalleryContender, Person, contender
 from harmonicface.bench.crowds import SYNTHETIC, Crowd
+from harmonicface.bench.enrolment import ENROLMENTS, enrol_by
 from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
@@ -62,6 +63,34 @@ class OpenSet:
     strangers_refused: float
 
 
+@dataclass(frozen=True)
+class EnrolmentResult:
+    """How methods that enrol Surfaces do when those come from a scanner, or from photographs.
+
+    Parameters
+    ----------
+    kind
+        Of enrolment.
+    degrees
+        Mean angle between the normals and the true ones.
+    seconds
+        A person, photographs not counted.
+    refused
+        How many people photometric stereo refused.
+    methods
+        Errors by tier.
+    margin
+        Median over all photographs, of nine harmonic images (see `Margin`).
+    """
+
+    kind: str
+    degrees: float
+    seconds: float
+    refused: int
+    methods: tuple[MethodResult, ...]
+    margin: float
+
+
 @dataclass(frozen=True, eq=False)
 class BenchmarkResult:
     """Everything that the report tells."""
@@ -77,6 +106,7 @@ class BenchmarkResult:
     asked: dict[str, list[Query]]
     gallery: Gallery
     crowd: str = SYNTHETIC.name
+    enrolments: tuple[EnrolmentResult, ...] = ()
 
 
 def run_benchmark(
@@ -87,6 +117,7 @@ def run_benchmark(
     methods: Sequence[str] = METHODS,
     progress: Progress | None = None,
     crowd: Crowd = SYNTHETIC,
+    enroll: Sequence[str] = ("geometry",),
 ) -> BenchmarkResult:
     """Enrol people who do not exist, ask for them in every tier by every method.
 
@@ -109,12 +140,16 @@ def run_benchmark(
         Called as work goes on.
     crowd
         Whom to enrol and ask for; the built-in people by default.
+    enroll
+        How Surfaces come about, see `enrol_by`; more than "geometry" adds a comparison of all of them. Everything else
+        is told of people enrolled by geometry.
 
     Raises
     ------
     HarmonicFaceError
-        A number below its least, an unknown method.
+        A number below its least, an unknown method or enrolment.
     """
+    kinds = checked_enrolments(enroll)
     for value, least, name in ((faces, 2, "faces"), (size, 16, "size"), (seed, 0, "seed"), (queries, 1, "queries")):
         _validate.at_least(value, least, name)
     require(4 * size**2 * faces * (7 + 18 + len(TIERS) * queries), f"{faces} people at {size} x {size} pixels")
@@ -128,6 +163,7 @@ def run_benchmark(
         tell("people", len(everybody), faces + STRANGERS)
     people = _enrolled(everybody[:faces], seed, tell)
     asked = {tier.name: _queries(everybody[:faces], tier, [seed, 1, i], queries) for i, tier in enumerate(TIERS)}
+    compared = [_enrolment(kind, people, contenders, asked, seed, tell) for kind in kinds] if len(kinds) > 1 else []
     strangers = {tier.name: _queries(everybody[faces:], tier, [seed, 2, i], 1) for i, tier in enumerate(TIERS)}
     results = [_judge(name, method, people, asked, tell) for name, method in contenders.items()]
     tell("margins and strangers", 0, 1)
@@ -144,6 +180,7 @@ def run_benchmark(
         asked=asked,
         gallery=gallery,
         crowd=crowd.name,
+        enrolments=tuple(compared),
     )
     tell("margins and strangers", 1, 1)
     return result
@@ -189,6 +226,49 @@ def _judge(
             errors[tier] += answer != query.person
             tell(name, len(times), total)
     return MethodResult(name, errors, 1e3 * float(np.median(times)), enrolment, method.bytes_per_person)
+
+
+def checked_enrolments(enroll: Sequence[str]) -> list[str]:
+    """Return ways of enrolment with geometry, to which they are compared, each once and in the usual order.
+
+    Raises
+    ------
+    HarmonicFaceError
+        Another way than those of `enrol_by`.
+    """
+    unknown = [kind for kind in enroll if kind not in ENROLMENTS]
+    if unknown:
+        raise HarmonicFaceError(f"enroll: expected some of {', '.join(ENROLMENTS)}, got {unknown[0]!r}")
+    return [kind for kind in ENROLMENTS if kind in {"geometry", *enroll}]
+
+
+def _enrolment(
+    kind: str,
+    people: Sequence[Person],
+    contenders: dict[str, Contender],
+    asked: dict[str, list[Query]],
+    seed: int,
+    tell: Progress,
+) -> EnrolmentResult:
+    """Judge the methods that enrol Surfaces on people who were enrolled in one way; who was refused is never found."""
+    seen = enrol_by(kind, [person.surface for person in people], seed, lambda *done: tell(f"enrolment: {kind}", *done))
+    known = [index for index, surface in enumerate(seen.surfaces) if surface is not None]
+    enrolled = [replace(people[index], known=seen.surfaces[index]) for index in known]
+    place = {index: number for number, index in enumerate(known)}
+    queries = {
+        tier: [replace(query, person=place.get(query.person, -1)) for query in of_tier]
+        for tier, of_tier in asked.items()
+    }
+    methods = [name for name, method in contenders.items() if isinstance(method, GalleryContender)]
+    results = [_judge(name, contender(name), enrolled, queries, lambda *_: None) for name in methods if enrolled]
+    if not known:
+        return EnrolmentResult(kind, float("nan"), seen.seconds, len(people), (), float("nan"))
+    nine = GalleryContender(MARGIN_METHOD)
+    nine.enroll(enrolled)
+    found = [query for of_tier in queries.values() for query in of_tier if query.person >= 0]
+    margin = _margin(nine.gallery, enrolled, found).median if len(known) > 1 else float("nan")
+    refused = len(people) - len(known)
+    return EnrolmentResult(kind, float(np.nanmean(seen.degrees)), seen.seconds, refused, tuple(results), margin)
 
 
 def _gallery(contenders: dict[str, Contender], people: Sequence[Person]) -> Gallery:

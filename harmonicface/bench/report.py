@@ -10,9 +10,10 @@ from pathlib import Path
 
 from harmonicface.bench import pictures
 from harmonicface.bench.benchmark import MARGIN_METHOD, BenchmarkResult
+from harmonicface.bench.enrolment import ENROLMENTS
 from harmonicface.bench.measure import machine
 from harmonicface.bench.page import definitions, image, page, table
-from harmonicface.bench.table import error_table, margin_table
+from harmonicface.bench.table import cost_table, enrolment_table, error_table, margin_table
 from harmonicface.bench.tiers import TIERS
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
@@ -63,6 +64,19 @@ def results(result: BenchmarkResult) -> dict[str, object]:
         },
         "margins": {tier: asdict(margin) for tier, margin in result.margins.items()},
         "open_set": {tier: asdict(rates) for tier, rates in result.open_set.items()},
+        "enrolments": {
+            way.kind: {
+                "normals_deg": way.degrees if way.degrees == way.degrees else None,
+                "seconds_per_person": way.seconds,
+                "refused": way.refused,
+                "median_margin": way.margin if way.margin == way.margin else None,
+                "error_percent": {
+                    method.method: {tier: 100 * method.errors[tier] / n for tier, n in result.queries.items()}
+                    for method in way.methods
+                },
+            }
+            for way in result.enrolments
+        },
         "threshold": result.gallery.threshold,
         "margin": result.gallery.margin,
         "machine": machine(),
@@ -89,6 +103,7 @@ def _page(result: BenchmarkResult) -> str:
         "margin": f"{result.gallery.margin:.2f}",
         "tiers": definitions({tier.name: tier.about for tier in TIERS}),
         "errors": table(*error_table(result), MARGIN_METHOD),
+        "enrolments": _enrolments(result),
         "margins": table(*margin_table(result)),
         "explanations": image(pictures.explanations_picture(result), "photographs explained by right and wrong people"),
         "harmonics": image(pictures.harmonics_picture(result.people[0].surface), "nine harmonic images of one person"),
@@ -98,6 +113,20 @@ def _page(result: BenchmarkResult) -> str:
         "packages": html.escape(", ".join(f"{name} {number}" for name, number in dict(about["packages"]).items())),  # type: ignore[call-overload]
     }
     return page("report.html.template", f"harmonicface bench: {result.faces} people, seed {result.seed}", fields)
+
+
+def _enrolments(result: BenchmarkResult) -> str:
+    """Compare people enrolled by a scanner and by photographs, if that was asked for."""
+    if not result.enrolments:
+        return ""
+    ways = definitions({way.kind: ENROLMENTS[way.kind] for way in result.enrolments})
+    return (
+        "<h2>What a camera costs against a scanner</h2><p>The same photographs asked for, people enrolled in different"
+        " ways. Margin: distance of the nearest wrong person over that of the right one, by nine harmonic images, over"
+        " all photographs; below 1 is an error. Normals: mean angle to the true ones. Whom photometric stereo refused"
+        f" is never found.</p>{table(*cost_table(result))}<p>Wrong answers in %:</p>"
+        f"{table(*enrolment_table(result))}{ways}"
+    )
 
 
 def _headline(result: BenchmarkResult) -> str:

@@ -107,7 +107,7 @@ def write_stereo_folder(
         for name in shapes:
             write_mesh(target / name, mesh)
             told_next()
-    _write_text(target / PAGE, stereo_page(result, images, names, told, title, files, seconds))
+    _write_text(target / PAGE, stereo_page(result, images, names, told, title, files, seconds, pictures["relit"]))
     told_next()
     return files
 

@@ -16,6 +16,7 @@ from harmonicface.bench.stereo_pictures import (
     reprojections,
     singular_values_picture,
     white_of,
+    window,
 )
 from harmonicface.bench.stereo_statement import LIGHTS, Circumstances, determined, headline, undetermined
 from harmonicface.io.pictures import to_display
@@ -36,6 +37,7 @@ def stereo_page(
     title: str,
     files: Sequence[str],
     seconds: float | None = None,
+    relit: Floats | None = None,
 ) -> str:
     """Return the HTML page of a result.
 
@@ -55,6 +57,8 @@ def stereo_page(
         Names of the files that are written beside the page.
     seconds
         How long it took, if that is to be told.
+    relit
+        What `relit_strip` gave, if it has been drawn already.
 
     Returns
     -------
@@ -64,13 +68,16 @@ def stereo_page(
     surface = result.surface
     shown, chosen, _ = reprojections(result, images)
     fields = {
-        "headline": html.escape(headline(result)),
+        "headline": html.escape(headline(result, told)),
         "title": html.escape(title),
         "count": len(images),
         "width": surface.shape[1],
         "height": surface.shape[0],
         "pixels": f"{int(surface.mask.sum()):,}".replace(",", " "),
-        "relit": image(encoded(relit_strip(surface)), "the surface under other lights and from other sides"),
+        "relit": image(
+            encoded(relit_strip(surface) if relit is None else relit),
+            "the surface under other lights and from other sides",
+        ),
         "determined": _items(determined(result, told)),
         "undetermined": _items(undetermined(result, told, names)),
         "parts": _maps(surface),
@@ -127,6 +134,7 @@ def _figures(pictures: dict[str, Floats], surface: Surface) -> str:
     for caption, picture in pictures.items():
         shown = picture.copy()
         shown[~surface.mask] = PAPER
+        shown = shown[window(surface.mask)]
         figures.append(
             f"<figure>{image(encoded(shown, PART), caption)}<figcaption>{html.escape(caption)}</figcaption></figure>"
         )

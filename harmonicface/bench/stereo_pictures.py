@@ -33,14 +33,24 @@ YAWS = (-60, -40, -20, 0, 20, 40, 60)
 CLAY = 0.8
 FULL = 0.1  # of white: what is shown in full colour in differences
 WORST = 30.0  # degrees of standard error that are shown in full colour
+MARGIN = 0.06  # of the mask's size, around it
+MOST_BALLS = 12
 SHOWN = 6  # photographs beside their model
+
+
+def window(mask: NDArray[np.bool_], margin: float = MARGIN) -> tuple[slice, slice]:
+    """Return the rows and columns of a mask, with some around it."""
+    spans = []
+    for axis, length in ((1, mask.shape[0]), (0, mask.shape[1])):
+        inside = np.flatnonzero(mask.any(axis=axis))
+        more = round(margin * (inside[-1] + 1 - inside[0]))
+        spans.append(slice(max(int(inside[0]) - more, 0), min(int(inside[-1]) + 1 + more, length)))
+    return spans[0], spans[1]
 
 
 def small(surface: Surface, side: int = SIDE) -> Surface:
     """Return a Surface of at most so many pixels a side, cut to its mask, without its scene."""
-    rows, columns = (np.flatnonzero(surface.mask.any(axis=axis)) for axis in (1, 0))
-    top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
-    part = (slice(top, bottom), slice(left, right))
+    part = window(surface.mask, 0.0)
     depth = None if surface.depth is None else surface.depth[part]
     cut = Surface(surface.normals[part], surface.albedo[part], surface.mask[part], depth, surface.pixel_size)
     largest = max(cut.shape)
@@ -48,6 +58,23 @@ def small(surface: Surface, side: int = SIDE) -> Surface:
         return cut
     height, width = (max(round(length * side / largest), 1) for length in cut.shape)
     return resize(cut, (height, width))
+
+
+def with_room(surface: Surface) -> Surface:
+    """Return a Surface with as much room on both sides as turning it needs."""
+    assert surface.depth is not None
+    depth = surface.depth[surface.mask].astype(np.float64) / surface.pixel_size
+    half, deep = surface.shape[1] / 2, float(np.ptp(depth)) / 2
+    widest = max(half * np.cos(np.radians(yaw)) + deep * np.sin(np.radians(abs(yaw))) for yaw in YAWS)
+    more = int(np.clip(widest - half, 0, half)) + 2
+    beside = ((0, 0), (more, more))
+    return Surface(
+        np.pad(surface.normals, (*beside, (0, 0))),
+        np.pad(surface.albedo, (*beside, (0, 0))[: surface.albedo.ndim]),
+        np.pad(surface.mask, beside),
+        np.pad(surface.depth, beside),
+        surface.pixel_size,
+    )
 
 
 def white_of(surface: Surface) -> float:
@@ -78,10 +105,12 @@ def relit_strip(surface: Surface) -> Floats:
     if face.depth is None:
         rows.append([shaded(face, lamp, True, white) for lamp in LAMPS])
         return _montage(rows)
-    turned = [_turned(face, yaw) for yaw in YAWS]
+    roomy = with_room(face)
+    turned = [_turned(roomy, yaw) for yaw in YAWS]
+    rows[0] = [shaded(roomy, lamp, False, white) for lamp in LAMPS]
     for clay in (False, True):
         lamp = (-35, 30)
-        rows.append([_blank(face) if each is None else shaded(each, lamp, clay, white) for each in turned])
+        rows.append([_blank(roomy) if each is None else shaded(each, lamp, clay, white) for each in turned])
     return _montage(rows)
 
 
@@ -91,11 +120,11 @@ def reprojections(result: StereoResult, images: Images) -> tuple[Floats, list[in
     In differences red is where the photograph is brighter than its model, blue where it is darker; full colour is a
     tenth of white.
     """
-    surface = result.surface
+    surface, part = result.surface, window(result.surface.mask)
     used = [index for index in range(len(images)) if index not in result.left_out]
     chosen = sorted({used[round(each)] for each in np.linspace(0, len(used) - 1, min(SHOWN, len(used)))})
-    step = max(-(-max(surface.shape) // SIDE), 1)
-    thin = np.s_[::step, ::step]
+    step = max(-(-max(surface.mask[part].shape) // SIDE), 1)
+    thin = slice(part[0].start, part[0].stop, step), slice(part[1].start, part[1].stop, step)
     albedo = surface.albedo[thin] if surface.albedo.ndim == 2 else surface.albedo[thin].mean(axis=2)
     mask = surface.mask[thin]
     face = Surface(surface.normals[thin], albedo, mask)
@@ -164,12 +193,12 @@ def lights_picture(result: StereoResult, names: Sequence[str]) -> bytes:
     if result.lights.shape[1] == 3:
         return _lamps(result.lights[kept], kept)
     ball = white_ball(96)
-    shown = kept[:12]
-    figure = Figure(figsize=(9, 1.1 * -(-len(shown) // 6) + 0.4), layout="constrained")
-    for place, index in enumerate(shown):
+    shown = kept[:MOST_BALLS]
+    pictures = [spread_out(np.maximum(model_of(ball, result.lights[index]), 0), ball.mask) for index in shown]
+    figure = Figure(figsize=(9, 1.3 * -(-len(shown) // 6) + 0.2), layout="constrained")
+    for place, (index, picture) in enumerate(zip(shown, pictures, strict=True)):
         axis = figure.add_subplot(-(-len(shown) // 6), 6, place + 1)
-        picture = spread_out(np.maximum(model_of(ball, result.lights[index]), 0), ball.mask)
-        display = to_display(picture)
+        display = to_display(picture, 1.15 * float(picture.max()) or 1.0)
         display[~ball.mask] = 1
         axis.imshow(display, cmap="gray", vmin=0, vmax=1)
         axis.set_title(str(names[index])[:16], fontsize=7, color=INK)

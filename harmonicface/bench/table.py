@@ -39,6 +39,32 @@ def margin_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
     return heads, rows
 
 
+def enrolment_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows: per method and way of enrolment the error per tier in %, and the normals' error."""
+    heads = ["method", "by", *result.queries, "normals"]
+    methods = [method.method for method in result.enrolments[0].methods] if result.enrolments else []
+    rows = []
+    for index, name in enumerate(methods):
+        for way in result.enrolments:
+            shares = ["-"] * len(result.queries)
+            if way.methods:
+                errors = way.methods[index].errors
+                shares = [f"{100 * errors[tier] / n:.1f}" for tier, n in result.queries.items()]
+            degrees = f"{way.degrees:.1f}°" if way.degrees > 0 else "-"
+            rows.append([name, way.kind, *shares, degrees])
+    return heads, rows
+
+
+def cost_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows: per way of enrolment the margin of nine harmonic images, the normals' error, time."""
+    heads = ["enrolled by", "median margin", "normals", "refused", "s a person"]
+    rows = [
+        [way.kind, f"{way.margin:.2f}", f"{way.degrees:.1f}°", f"{way.refused}", f"{way.seconds:.2f}"]
+        for way in result.enrolments
+    ]
+    return heads, rows
+
+
 def yale_table(result: YaleResult) -> tuple[list[str], list[list[str]]]:
     """Return heads and rows: per method the error per subset in %, milliseconds a photograph."""
     heads = ["method", *(f"subset {subset}" for subset, count in result.n.items() if count), "ms"]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harmonicface.bench.decision_plots import decision_section
 from harmonicface.bench.measure import machine
 from harmonicface.bench.page import definitions, encoded, image, page, table
-from harmonicface.bench.published import published
+from harmonicface.bench.published import explained, published
 from harmonicface.bench.table import published_table, yale_table
 from harmonicface.bench.yale_plots import OURS, by_error, overall, subsets_picture, time_picture
 from harmonicface.bench.yale_protocols import CHOSEN_ON, published_size, yale_protocol
@@ -173,8 +173,14 @@ def _published(result: YaleResult) -> str:
         f"<p>In %, with 95 % intervals of Clopper &amp; Pearson; the published ones {same}. "
         "“as many”: ours lies in the interval of the published error. Ours is the same method; beside methods that "
         f"the package does not have, it is {OURS}.</p>"
-        f"{table(heads, rows)}<p>{html.escape(told)}</p>"
+        f"{table(heads, rows)}{_differences(result.train, rows)}<p>{html.escape(told)}</p>"
     )
+
+
+def _differences(train: str, rows: list[list[str]]) -> str:
+    """Say why errors differ from the published ones, if they do."""
+    found = explained(train, rows)
+    return f"<p>Why some differ:</p>{definitions(found)}" if found else ""
 
 
 def _ranges(people: list[int]) -> str:

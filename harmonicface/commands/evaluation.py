@@ -9,12 +9,14 @@ from typing import Annotated
 
 import typer
 
-from harmonicface.bench.benchmark import run_benchmark
+from harmonicface.bench.benchmark import checked_enrolments, run_benchmark
 from harmonicface.bench.console import print_table, progress
 from harmonicface.bench.contenders import EVERY_METHOD, METHODS
 from harmonicface.bench.crowds import ICT_ALBEDOS, SYNTHETIC, ict_crowd
+from harmonicface.bench.enrolment import ENROLMENTS
+from harmonicface.bench.published import explained
 from harmonicface.bench.report import results, write_report
-from harmonicface.bench.table import error_table, margin_table, published_table, yale_table
+from harmonicface.bench.table import cost_table, enrolment_table, error_table, margin_table, published_table, yale_table
 from harmonicface.bench.yale_b import evaluate_yale_b
 from harmonicface.bench.yale_contenders import YALE_METHODS
 from harmonicface.bench.yale_protocols import PROTOCOLS, published_size
@@ -43,21 +45,32 @@ def bench(
     albedo: Annotated[
         str | None, typer.Option(help=f"Of ICT people: {' or '.join(ICT_ALBEDOS)} (shape alone).", show_default="grey")
     ] = None,
+    enroll: Annotated[
+        str,
+        typer.Option(
+            help=f"Comma-separated, of {', '.join(ENROLMENTS)}; or all: compares people enrolled by photographs with"
+            " those by geometry."
+        ),
+    ] = "geometry",
     out: Annotated[Path, typer.Option(help="Folder for results.json and report.html.")] = Path("report"),
     as_json: AsJson = False,
 ) -> None:
     """Recognize people who do not exist under light that no gallery picture showed, by every method."""
     if albedo is not None and ict is None:
         raise HarmonicFaceError("albedo: expected it with --ict only, got it for the built-in people")
+    ways = checked_enrolments(list(ENROLMENTS) if enroll == "all" else [way.strip() for way in enroll.split(",")])
     crowd = SYNTHETIC if ict is None else ict_crowd(ict, albedo or ICT_ALBEDOS[0])
     make_folder(out)  # before the work rather than after it
     with progress() as tell:
-        result = run_benchmark(faces, size, seed, queries, _methods(methods, METHODS), tell, crowd)
+        result = run_benchmark(faces, size, seed, queries, _methods(methods, METHODS), tell, crowd, ways)
     page = write_report(result, out)
     if as_json:
         typer.echo(json.dumps(results(result)))
         return
     print_table("Wrong answers by kind of light, %; milliseconds a photograph; KiB a person", *error_table(result))
+    if result.enrolments:
+        print_table("People enrolled by a scanner or by photographs: wrong answers, %", *enrolment_table(result))
+        print_table("What a camera costs: margin of the right person, all photographs", *cost_table(result))
     print_table("Nine harmonic images: margin of the right person; who is refused as unknown, %", *margin_table(result))
     typer.echo(f"\nReport: {page.resolve()}")
 
@@ -98,6 +111,8 @@ def _print_yale(result: YaleResult) -> None:
     if rows:
         size = "the same photographs" if published_size(result.people, result.n) else "other photographs than ours"
         print_table(f"Published beside ours, % with 95 % intervals ({size})", heads, rows)
+        for name, reason in explained(result.train, rows).items():
+            typer.echo(f"{name}: {reason}")
 
 
 def _methods(text: str | None, usual: Sequence[str]) -> Sequence[str]:

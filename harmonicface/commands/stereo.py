@@ -179,7 +179,7 @@ def stereo(
 
 def _print(result: StereoResult, photographs: Photographs, told: Circumstances, target: Path) -> None:
     """Print what could and could not be determined."""
-    typer.echo(headline(result))
+    typer.echo(headline(result, told))
     typer.echo("\nDetermined:")
     for text in determined(result, told):
         typer.echo(f"  - {text}")

@@ -18,6 +18,9 @@ from harmonicface.gallery.rule import Rule
 from harmonicface.gallery.whereabouts import Whereabouts
 from harmonicface.recognition.subspace import unit_photo
 
+FEWEST_LEVELS = 8  # three bits: photographs that are as good as unlit have six or seven, the next darkest of Yale B 22
+SAMPLE = 500  # pixels, which are enough to see that a photograph has more
+
 Good = NDArray[np.bool_]
 Asked = tuple[Floats, Good]  # the compared pixels of a photograph, (p,), and which are good
 
@@ -78,7 +81,7 @@ def by_second_look(people: People, asked: Asked, count: int, rule: Rule) -> Matc
         for place in order
     ]
     first, best, index = candidates[0], order[0], int(seen.chosen[order[0]])
-    reason = verdict.unknown(rule.threshold)
+    reason = verdict.unknown(rule.threshold) or _unlit(pixels[good])
     said = (first.name, None if len(people) == 1 else first.score, rule.threshold, True)
     said_why = named(*said) if reason is None else unknown(*said, reason)
     shift = (float(verdict.shifts[best, 0]), float(verdict.shifts[best, 1]))
@@ -119,6 +122,14 @@ def ratio(second: float, first: float) -> float:
     if first == 0:
         return 1.0 if second == 0 else np.inf
     return second / first
+
+
+def _unlit(pixels: Floats) -> str | None:
+    """Say that a photograph has so few grey levels that no face can be seen in it; None if it has enough."""
+    some = pixels[:: max(len(pixels) // SAMPLE, 1)]
+    if np.unique(some).size >= FEWEST_LEVELS or (count := np.unique(pixels).size) >= FEWEST_LEVELS:
+        return None
+    return f"the photograph has no more than {count} grey levels"
 
 
 def _evidence(

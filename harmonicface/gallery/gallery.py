@@ -28,9 +28,10 @@ class Gallery(Rule, Roll):
     model
         "default": a plain projection finds a shortlist, on which everybody's local patterns are compared with the
         photograph's, and everybody is lit as the photograph is and compared again (`second_look`); it bears light
-        from the side with its cast shadows, shifts by up to 4 of 96 rows, noise and compression. Or a projection
-        alone, by what spans the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4",
-        "linear3".
+        from the side with its cast shadows, shifts by up to 4 of 96 rows, noise and compression. If nobody is named,
+        people are looked for displaced by up to 10 of 96 rows, turned or grown by up to 10 degrees or percent, and the
+        photograph is compared once more as seen from there (`registered_look`). Or a projection alone, by what spans
+        the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4", "linear3".
     mask
         (h, w) booleans: the pixels that are compared. By default all pixels of the first person enrolled. Where
         photographs have a background, leave it out of the mask; outside a person's own mask her images are 0.
@@ -100,9 +101,9 @@ class Gallery(Rule, Roll):
         -------
         Match
             `.name` is None for somebody unknown. With the default model: when the first score is below the threshold,
-            or when the photograph has no detail to compare: darkness, a wall, a burnt-out picture. With the others:
-            when the nearest person is farther than the threshold and the next nearly as near, or when nobody explains
-            three quarters of the photograph's energy.
+            at rest and registered, or when the photograph has no detail to compare: darkness, a wall, a burnt-out
+            picture. With the others: when the nearest person is farther than the threshold and the next nearly as near,
+            or when nobody explains three quarters of the photograph's energy.
 
         Raises
         ------
@@ -118,6 +119,9 @@ class Gallery(Rule, Roll):
         self, photo: ArrayLike, mask: ArrayLike | None = None, among: Sequence[str] | None = None
     ) -> SearchScores:
         """Compare a photograph with everybody, without a shortlist and without a decision; `match` explains the rest.
+
+        People are compared where they are, up to the small shifts of a second look. `match` looks for them elsewhere if
+        nobody reaches the threshold; it charges its scores so that strangers reach it no more often for that.
 
         Parameters
         ----------

@@ -18,8 +18,8 @@ from harmonicface.recognition.placement import Placement
 from harmonicface.recognition.render_compare import Photograph
 from harmonicface.stereo.motion import STILL, Matrix, then
 
-ROUNDS = 2  # the first finds turns and growths of up to 6 degrees and percent, the second what is left of larger ones
-LEAST_GAIN = 0.02  # in votes, of a photograph with the usual number of blocks: a turn by two degrees
+ROUNDS = 2  # the first finds turns and growths of up to 8 degrees and percent, the second what is left of larger ones
+LEAST_GAIN = 0.01  # in votes, of a photograph with the usual number of blocks: a turn by one degree
 # Deviations that a photograph that was moved must make up for: strangers then reach no threshold more often than
 # without moving. Chosen on the first five people of Yale B, as they stood, displaced, turned and grown.
 CHARGE = 3.0
@@ -50,6 +50,11 @@ class Looked:
     photo: Photograph
     asked: Asked
     motion: Matrix
+
+    @property
+    def nearest(self) -> float:
+        """The smallest distance of anybody."""
+        return float(self.verdict.distances.min())
 
     def shift(self, place: int, shape: tuple[int, int]) -> tuple[float, float]:
         """Return by how many pixels of a photograph of this shape it shows one of these people displaced."""
@@ -93,7 +98,8 @@ def registered_look(people: People, asked: Asked, chosen: NDArray[np.intp], coun
 
     Whom it may show displaced, turned or grown is found by the votes of blocks (`placed`), once more from there. Each
     time everybody is compared with the photograph as moved, so that strangers gain what she gains, and all scores are
-    charged for the choice. It counts if somebody is then named; otherwise the photograph is left as it is. With one
+    charged for the choice. It counts if somebody is then named who is more alike than anybody was at rest: between
+    people who nearly coincide, moving one could make her the other. Otherwise the photograph is left as it is. With one
     person there are no strangers to say what chance finds elsewhere, so she is looked for where she is.
 
     Parameters
@@ -113,15 +119,25 @@ def registered_look(people: People, asked: Asked, chosen: NDArray[np.intp], coun
     pixels, good = asked
     others = displaced_shortlist(people.rows, people.frame, pixels.astype(np.float64), good, count)
     start = rest if np.array_equal(others, chosen) else looked_at(people, asked, others)
-    for look in _looks_from(start, people, asked):
-        if look.verdict.unknown(threshold) is None:
-            return look
+    if start.verdict.unknown(threshold) is None:
+        return start
+    for look in _looks_elsewhere(start, people, asked):
+        if look.verdict.unknown(threshold) is None and look.nearest < min(rest.nearest, start.nearest):
+            return _exactly(look, people, asked)
     return rest
 
 
-def _looks_from(start: Looked, people: People, asked: Asked) -> Iterator[Looked]:
-    """Yield a look, and those from where the photograph shows somebody, as long as that is elsewhere."""
-    yield start
+def _exactly(look: Looked, people: People, asked: Asked) -> Looked:
+    """Return a look from exactly where whom it names is, if she is more alike from there."""
+    place = int(look.verdict.order[0])
+    motion = look.whereabouts(place, people, asked).placement().motion(people.frame.shape)
+    again = looked_at(people, asked, look.chosen, motion, CHARGE)
+    better = again.verdict.order[0] == place and again.verdict.scores[place] > look.verdict.scores[place]
+    return again if better else look
+
+
+def _looks_elsewhere(start: Looked, people: People, asked: Asked) -> Iterator[Looked]:
+    """Yield looks from where the photograph shows somebody, as long as that is elsewhere."""
     seen, shape = start, people.frame.shape
     for _ in range(ROUNDS):
         found = placed(seen.photo.patterns, [people.portraits[index].template for index in seen.chosen])

@@ -66,8 +66,8 @@ class Roll:
         source
             A Surface of the gallery's shape. Or (n, h, w) photographs: with lights, n >= 3, they are registered to
             each other and their stereo is the Surface; without, the span of the photographs (its nine strongest
-            directions) stands for her. The default model takes any number of them, and a single one, (h, w); the
-            others need three under different lights.
+            directions) stands for her. The default model takes any number of them, registers those that show her at
+            different places, and takes a single one, (h, w); the others need three under different lights.
         lights
             (n, 3) directions from the person to the light of each photograph (x right, y up, z toward the camera),
             times its strength; intensities are then from 0 to 1.

@@ -20,7 +20,8 @@ from harmonicface.recognition.patterns import SCALES, Template
 from harmonicface.store.archive import read_arrays, write_arrays
 
 FORMAT = "harmonicface gallery"
-VERSIONS = ("1", "2")  # the first knew neither templates nor the default model
+VERSIONS = ("1", "2", "3")  # the first knew neither templates nor the default model
+OTHER_TEMPLATES = "2"  # its templates are of patterns that were not whitened: compared with today's they tell little
 DEFAULT_MODEL = "default"
 
 
@@ -70,11 +71,15 @@ def read(path: str | os.PathLike[str]) -> Contents:
         raise HarmonicFaceError(f"{path}: expected a {FORMAT}, got a file of {header.get('format', 'another kind')!r}")
     if header.get("version") not in VERSIONS:
         got = header.get("version")
-        raise HarmonicFaceError(f"{path}: expected version {' or '.join(VERSIONS)} of the gallery format, got {got}")
+        raise HarmonicFaceError(f"{path}: expected version {', '.join(VERSIONS)} of the gallery format, got {got}")
     try:
-        return _contents(arrays, json.loads(header["about"]))
+        contents = _contents(arrays, json.loads(header["about"]))
     except (KeyError, TypeError, ValueError, IndexError, RecursionError):
         raise HarmonicFaceError(f"{path}: expected a gallery that agrees with itself, got one that does not") from None
+    if contents.templates and header["version"] == OTHER_TEMPLATES:
+        expected = f"templates of version {VERSIONS[-1]} of the gallery format"
+        raise HarmonicFaceError(f"{path}: expected {expected}, got those of {OTHER_TEMPLATES}: enrol everybody again")
+    return contents
 
 
 def _contents(arrays: dict[str, NDArray[Any]], about: dict[str, Any]) -> Contents:

@@ -14,6 +14,7 @@ import trimesh
 from numpy.typing import NDArray
 from PIL import Image
 
+from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
 from harmonicface.io.meshes import Mesh
@@ -61,9 +62,10 @@ def write_mesh(path: str | os.PathLike[str], mesh: Mesh) -> None:
     if len(mesh.faces) == 0:
         raise HarmonicFaceError(f"{path}: expected a mesh with triangles, got none")
     if ending == ".ply":
-        files = {target: _shape(mesh, _vertex_visual(mesh)).export(file_type="ply", vertex_normal=True)}
+        visual = _vertex_visual(mesh, linear_to_srgb)
+        files = {target: _shape(mesh, visual).export(file_type="ply", vertex_normal=True)}
     elif ending == ".glb":
-        scene = trimesh.Scene(_shape(mesh, _visual(mesh, _matte_gltf)))
+        scene = trimesh.Scene(_shape(mesh, _visual(mesh, _matte_gltf, np.asarray)))
         files = {target: trimesh.exchange.gltf.export_glb(scene, include_normals=True)}
     else:
         files = _obj_files(target, mesh)
@@ -75,7 +77,7 @@ def write_mesh(path: str | os.PathLike[str], mesh: Mesh) -> None:
 def _obj_files(target: Path, mesh: Mesh) -> dict[Path, bytes]:
     """Return an OBJ and what stands beside it; the OBJ last, so that what it names is there."""
     text, beside = trimesh.exchange.obj.export_obj(
-        _shape(mesh, _visual(mesh, partial(_matte_obj, target.stem))),
+        _shape(mesh, _visual(mesh, partial(_matte_obj, target.stem), linear_to_srgb)),
         include_normals=True,
         return_texture=True,
         mtl_name=f"{target.stem}.mtl",
@@ -89,10 +91,10 @@ def _shape(mesh: Mesh, visual: Any) -> Any:
     return trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_normals=mesh.normals, visual=visual, process=False)
 
 
-def _visual(mesh: Mesh, material: Callable[[Image.Image], Any]) -> Any:
+def _visual(mesh: Mesh, material: Callable[[Image.Image], Any], encode: Callable[[Floats], Floats]) -> Any:
     """Return a texture where there is one, vertex colours otherwise."""
     if not mesh.textures:
-        return _vertex_visual(mesh)
+        return _vertex_visual(mesh, encode)
     return trimesh.visual.TextureVisuals(uv=mesh.uv, material=material(_picture(mesh)))
 
 
@@ -111,12 +113,12 @@ def _matte_obj(name: str, picture: Image.Image) -> Any:
     )
 
 
-def _vertex_visual(mesh: Mesh) -> Any:
-    """Return the colours of the vertices, of the texture's there where there is one."""
+def _vertex_visual(mesh: Mesh, encode: Callable[[Floats], Floats]) -> Any:
+    """Return the colours of the vertices, of the texture's there where there is one; a GLB's are linear."""
     albedo = mesh.vertex_albedo
     if mesh.textures:
         albedo = albedo * _texture_at(mesh)
-    colours = np.rint(linear_to_srgb(np.clip(albedo, 0, 1)) * 255).astype(np.uint8)
+    colours = np.rint(encode(np.clip(albedo, 0, 1)) * 255).astype(np.uint8)
     return trimesh.visual.ColorVisuals(vertex_colors=colours)
 
 

@@ -10,7 +10,7 @@ from harmonicface._validate import Floats
 from harmonicface.recognition.blocks import correlations, unit_blocks
 from harmonicface.recognition.estimators.nonnegative_least_squares import nonnegative_solutions
 from harmonicface.recognition.grid import on_grid
-from harmonicface.recognition.patterns import patterns
+from harmonicface.recognition.patterns import patterns, together
 
 Affinity = NDArray[np.float64]
 
@@ -50,8 +50,7 @@ def pattern_affinity(images: Floats) -> Affinity:
     for i, pattern in enumerate(found[:-1]):
         for start in range(i + 1, len(images), AT_ONCE):
             others = slice(start, min(start + AT_ONCE, len(images)))
-            free, _ = correlations(pattern, blocks[others], REACH)
-            result[i, others] = result[others, i] = free.reshape(len(free), -1).max(axis=1)
+            result[i, others] = result[others, i] = together(*correlations(pattern, blocks[others], REACH))
     return result
 
 

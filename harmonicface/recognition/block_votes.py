@@ -16,9 +16,9 @@ from harmonicface.recognition.patterns import Pattern
 
 REACH = 10  # pixels of the grid by which a block may be displaced
 SIDE = 2 * REACH + 1
-TURNS = np.radians(np.arange(-6, 7, 2))  # of the trials; what is between them is found by the blocks' own places
-GROWTHS = np.arange(-6, 7, 2) / 100
-COARSE = np.array([-4, 0, 4])  # degrees and percent: tell who may be in the photograph
+TURNS = np.radians(np.arange(-8, 9, 2))  # of the trials; what is between them is found by the blocks' own places
+GROWTHS = np.arange(-8, 9, 2) / 100
+COARSE = np.array([-8, -4, 0, 4, 8])  # degrees and percent: tell who may be in the photograph
 SHIFTS = np.arange(-10, 11, 2)  # each block is free by a pixel around a trial
 CHARGE = 0.002  # of correlation, for a pixel by which blocks are displaced in the mean
 TINY = 1e-6

@@ -21,6 +21,9 @@ WIDER = 1.5  # the second Gaussian over the first
 DARK = 0.008  # of the bright parts: about two grey levels of 255, below which a logarithm shows noise
 BRIGHT = 99  # percentile
 FAINT = 0.1  # of the mean energy is added, so that smooth regions stay quiet
+SHARPNESS = 0.01  # of correlations: by how much they differ by chance from shift to shift
+FIRM = 0.25  # what the blocks count for without their freedom
+SURROUND = 2.0  # standard deviation in pixels of what a pattern stands out from
 LEAST_ENERGY = 1e-4  # in logarithms: a hundredth of a percent of contrast, between rounding and a grey level
 
 Pattern = NDArray[np.float32]
@@ -31,11 +34,13 @@ def patterns(photo: ArrayLike, mask: ArrayLike | None = None) -> Pattern:
 
     At a scale s, with Gaussians G and the photograph I over its bright parts,
 
-    .. math:: x = \log(I + c), \quad D = G_s x - G_{1.5 s} x, \quad e = \sqrt{G_3 D^2}, \quad f = \tanh(D / (e + e_0))
+    .. math:: x = \log(I + c), \quad D = G_s x - G_{1.5 s} x, \quad e = \sqrt{G_3 D^2}, \quad
+        t = \tanh(D / (e + e_0)), \quad f = t - G_2 t
 
     Light multiplies a matte surface's albedo by something smooth, which the logarithm makes a sum and the difference
     of Gaussians takes away; the energy takes away how strongly the detail shows (as Tan & Triggs, Enhanced local
-    texture feature sets for face recognition under difficult lighting conditions, 2010, at finer scales).
+    texture feature sets for face recognition under difficult lighting conditions, 2010, at finer scales). The last
+    step whitens: what neighbours share says least about a person, and most about shadows, noise and compression.
 
     Parameters
     ----------
@@ -141,8 +146,8 @@ class Similarities:
     Parameters
     ----------
     scores
-        (n,) float32 from -1 to 1: the mean correlation of blocks at the shift that suits the person best. Strangers
-        reach 0.2 to 0.3, because every block is free by a pixel.
+        (n,) float32 up to 1: the mean correlation of blocks, over all common shifts together. Strangers reach 0.15 to
+        0.25, because blocks are free by a pixel.
     shifts
         (n, 2) pixels of the grid to the right and down by which the photograph shows the person displaced.
     blocks
@@ -155,10 +160,15 @@ class Similarities:
 
 
 def similarity(query: Pattern, templates: Sequence[Template], reach: int = REACH) -> Similarities:
-    """Compare the patterns of a photograph with people's templates.
+    r"""Compare the patterns of a photograph with people's templates.
 
-    Each of the 12 x 12 blocks is correlated at all shifts up to `reach` and one pixel about them; the mean over blocks
-    is taken at each common shift, its maximum is the score. The shift is where blocks agree most without that freedom.
+    Each of the 12 x 12 blocks is correlated at all shifts up to `reach`, and again free by one pixel about them; the
+    means c and f over blocks are taken at each common shift u. The score takes all shifts together,
+
+    .. math:: \tfrac34 \, \tau \log \sum_u e^{f_u / \tau} + \tfrac14 \, \tau \log \sum_u e^{c_u / \tau}
+
+    as the likelihood of a photograph does whose shift is not known: it varies less among strangers than the largest
+    correlation, which it approaches where one shift stands out. The shift is where blocks agree most without freedom.
 
     Parameters
     ----------
@@ -191,8 +201,29 @@ def similarity(query: Pattern, templates: Sequence[Template], reach: int = REACH
     free, still = correlations(flat, [template.blocks for template in templates], reach)
     best = still.reshape(len(templates), -1).argmax(axis=1)
     down, right = np.divmod(best, 2 * reach + 1)
-    scores = free.reshape(len(templates), -1).max(axis=1)
+    scores = together(free, still)
     return Similarities(scores, np.column_stack([right, down]) - reach, int(known_blocks(flat).sum()))
+
+
+def together(free: Pattern, still: Pattern) -> NDArray[np.float32]:
+    """Return one score for each of n people from correlations at all shifts, (n, ...), with blocks free and not.
+
+    At most 1; 0 where nothing is known. `similarity` says how.
+
+    Examples
+    --------
+    >>> together(np.array([[0.5, 0.1]]), np.array([[0.3, 0.1]])).round(3)
+    array([0.45], dtype=float32)
+    """
+    parts = [_over_shifts(one.reshape(len(one), -1)) for one in (free, still)]
+    return np.asarray((1 - FIRM) * parts[0] + FIRM * parts[1], np.float32)
+
+
+def _over_shifts(values: Pattern) -> NDArray[np.float32]:
+    """Return the logarithm of the sum of exponentials of each row, at most 1; 0 where the row is."""
+    most = values.max(axis=1)
+    sums = np.exp((values - most[:, None]) / SHARPNESS).sum(axis=1)
+    return np.where(values.any(axis=1), np.minimum(most + SHARPNESS * np.log(sums), 1), 0)
 
 
 def _at_scale(log: Pattern, scale: float, seen: NDArray[np.bool_] | None) -> Pattern:
@@ -200,7 +231,9 @@ def _at_scale(log: Pattern, scale: float, seen: NDArray[np.bool_] | None) -> Pat
     detail = blurred(log, scale) - blurred(log, WIDER * scale)
     energy = np.sqrt(blurred(detail * detail, NEIGHBOURHOOD))
     mean = float((energy if seen is None or not seen.any() else energy[seen]).mean())
-    found = np.tanh(detail / (energy + np.float32(FAINT * mean + LEAST_ENERGY)))
+    squashed = np.tanh(detail / (energy + np.float32(FAINT * mean + LEAST_ENERGY)))
+    squashed[energy < LEAST_ENERGY] = 0
+    found = np.clip(squashed - blurred(squashed, SURROUND), -1, 1)
     found[energy < LEAST_ENERGY] = 0
     return np.asarray(found)
 

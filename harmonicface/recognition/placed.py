@@ -62,7 +62,7 @@ def placed(query: Pattern, templates: Sequence[Template]) -> Placed:
 
     .. math:: \max_{m} \frac{1}{n} \sum_b c_b(u_m(x_b)) - \kappa |u_m|
 
-    over turns and growths of up to 6 degrees and percent and shifts of up to 10 pixels; the charge is the logarithm of
+    over turns and growths of up to 8 degrees and percent and shifts of up to 10 pixels; the charge is the logarithm of
     a prior by which people move little. Of many people, a few of these trials tell who is looked at closely. Then each
     block's own best place about it, to a fraction of a pixel, gives the similarity that fits them best, by least
     squares in which blocks that correlate more count more and those that disagree with the others less.

@@ -20,7 +20,7 @@ from harmonicface.recognition.subspace import Subspace
 from harmonicface.surfaces.surface import Surface
 
 INTENSITIES, PATTERNS = "intensities", "patterns"
-DEFAULT_THRESHOLDS = {INTENSITIES: 0.15, PATTERNS: 0.71}
+DEFAULT_THRESHOLDS = {INTENSITIES: 0.15, PATTERNS: 0.75}
 SHIFTS = tuple((right, down) for down in range(-REACH, REACH + 1) for right in range(-REACH, REACH + 1))
 
 
@@ -71,17 +71,17 @@ def verify(
     surface
         A Surface of that shape, whose picture it may be; or another photograph of that shape.
     threshold
-        The largest distance at which the answer is yes, 0 to 1; by default 0.15 for intensities, 0.71 for patterns.
+        The largest distance at which the answer is yes, 0 to 1; by default 0.15 for intensities, 0.75 for patterns.
 
         Intensities at 0.15: of 3,312 pairs of synthetic strangers in the six kinds of light of `harmonicface bench`
         none is taken for the same person, and of 144 photographs of the right one 3 are refused, all under extreme
         light. On Yale B no stranger is accepted; 21 % of the right people are refused up to 25 degrees, 76 % up to 51.
 
-        Patterns at 0.71, chosen on people 1 to 5 of Yale B by their photographs in subsets 2 to 5: of these, 0 % of
-        strangers are accepted by Surfaces from subset 1 and 0 % of the right people refused; of people 6 to 11, 0.24 %
-        and 0.59 %. With one frontal photograph in place of the Surface, 0 % and 5.4 %; of people 6 to 11, 0 % and
-        13.9 %. (Intensities refuse 60 % where they accept 0.1 %.) Synthetic strangers of 64 pixels come as near as
-        0.46: intensities suit them better.
+        Patterns at 0.75, chosen on people 1 to 5 of Yale B by their photographs in subsets 2 to 5: of these, 0 % of
+        strangers are accepted by Surfaces from subset 1 and 0.35 % of the right people refused; of people 6 to 11,
+        0.24 % and 0.59 %. With one frontal photograph in place of the Surface, 0 % and 1.4 %; of people 6 to 11, 0 %
+        and 7.1 %. (Intensities refuse 60 % where they accept 0.1 %.) Synthetic strangers of 64 pixels come as near as
+        0.42: intensities suit them better.
     mask
         (h, w) booleans, false where the photograph is bad: burnt out, hidden.
     domain

@@ -73,10 +73,10 @@ def unit_frame(lights: Doubles) -> Doubles | None:
     rows = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z], axis=1)
     if len(lights) < 6 or np.linalg.cond(rows / np.linalg.norm(rows, axis=0)) > 1e4:
         return None
-    weights: Doubles = np.ones(len(lights))
-    form = np.zeros(6)
+    weights = np.ones(len(lights))
+    form: Doubles = np.zeros(6)
     for _ in range(20):
-        form = np.linalg.lstsq(rows * weights[:, None], weights, rcond=None)[0]
+        form = np.asarray(np.linalg.lstsq(rows * weights[:, None], weights, rcond=None)[0], np.float64)
         rest = rows @ form - 1
         scale = 2 * 1.4826 * float(np.median(np.abs(rest))) + 1e-12
         weights = np.asarray(1 / np.sqrt(1 + (rest / scale) ** 2))

@@ -138,8 +138,27 @@ def calibrated_stereo(
 
 
 def _solve(observations: Floats, lights: Floats, saturation: float) -> tuple[NDArray[Any], ...]:
-    """Solve (n, p) observations: albedo times normal (p, 3), residual, count and trust (p,)."""
-    trusted = observations < saturation
+    """Solve (n, p) observations below saturation: albedo times normal (p, 3), residual, count and trust (p,)."""
+    return lit_least_squares(observations, lights, observations < saturation)
+
+
+def lit_least_squares(observations: Floats, lights: Floats, trusted: Mask) -> tuple[NDArray[Any], ...]:
+    """Solve each pixel by least squares over the trusted observations in which it is lit (see `calibrated_stereo`).
+
+    Parameters
+    ----------
+    observations
+        (n, p) float64 intensities.
+    lights
+        (n, 3) directions times brightness.
+    trusted
+        (n, p) booleans, the observations that may be used.
+
+    Returns
+    -------
+    tuple of arrays
+        Albedo times normal (p, 3), residual (p,), count of images (p,), and whether the lit ones determine it (p,).
+    """
     scaled, gain = scaled_normals(observations, lights, trusted)
     used, enough = trusted.copy(), gain <= HIGHEST_NOISE_GAIN
     if not enough.all():

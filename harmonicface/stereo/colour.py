@@ -64,12 +64,14 @@ def shading_of(surface: Surface, light: Floats) -> Floats:
 
 
 def colour_albedo(photographs: Iterable[Floats], shading: Iterable[Floats], albedo: Floats) -> NDArray[np.float32]:
-    r"""Return the albedo of each colour by least squares over the photographs that show it matte and lit.
+    r"""Return the albedo of each colour: the grey albedo times the colours' share in what the photographs show.
 
-    .. math:: \rho_c = \sum_i s_i I_{ic} / \sum_i s_i^2
+    .. math:: \rho_c = \rho \sum_i I_{ic} \Big/ \sum_i \tfrac{1}{3} \sum_c I_{ic}
 
-    with the shading s of each photograph, over those whose grey (the mean of the colours) lies between half and one
-    and a half of the grey albedo's, :math:`\rho s_i`. A pixel without any is grey.
+    White light shows a matte surface in its own colour wherever it is lit, whatever the shading. The sums are over
+    photographs whose grey (the mean of the colours) lies between half and one and a half of what the grey albedo
+    predicts, :math:`\rho s_i`: neither shadow nor highlight. Where there is none they are over all that are not
+    saturated, and a pixel that is saturated or black in all of them is grey.
 
     Parameters
     ----------
@@ -84,7 +86,7 @@ def colour_albedo(photographs: Iterable[Floats], shading: Iterable[Floats], albe
     Returns
     -------
     array
-        (p, 3) float32, at least 0.
+        (p, 3) float32, at least 0, whose mean is the grey albedo.
 
     Examples
     --------
@@ -92,18 +94,16 @@ def colour_albedo(photographs: Iterable[Floats], shading: Iterable[Floats], albe
     >>> colour_albedo([shown, 0.5 * shown], [np.array([1.0]), np.array([0.5])], np.array([0.4])).round(3)
     array([[0.2, 0.4, 0.6]], dtype=float32)
     """
-    total = np.zeros((len(albedo), 3), np.float32)
-    weight = np.zeros(len(albedo), np.float32)
+    matte, anyhow = np.zeros((2, len(albedo), 3), np.float32)
     grey_albedo = albedo.astype(np.float32)
     for photograph, shade in zip(photographs, shading, strict=True):
         shown = photograph.astype(np.float32)
-        lit = np.maximum(shade, 0).astype(np.float32)
-        predicted, grey = grey_albedo * lit, shown.mean(axis=1)
-        matte = (lit > 0) & (grey >= LEAST * predicted) & (grey <= MOST * predicted)
-        lit[~matte] = 0
-        shown[~matte] = 0
-        total += lit[:, None] * shown
-        weight += lit**2
-    result = np.repeat(grey_albedo[:, None], 3, axis=1)
-    np.divide(total, weight[:, None], out=result, where=weight[:, None] > 0)
-    return np.maximum(result, 0)
+        shown[~np.isfinite(shown).all(axis=1)] = 0
+        predicted, grey = grey_albedo * np.maximum(shade, 0).astype(np.float32), shown.mean(axis=1)
+        anyhow += shown
+        shown[(grey < LEAST * predicted) | (grey > MOST * predicted)] = 0
+        matte += shown
+    seen = np.where((matte.sum(axis=1) > 0)[:, None], matte, anyhow)
+    grey = seen.mean(axis=1, keepdims=True)
+    share = np.divide(seen, grey, out=np.ones_like(seen), where=grey > 0)
+    return np.asarray(grey_albedo[:, None] * share)

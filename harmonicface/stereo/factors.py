@@ -133,12 +133,12 @@ def leading_factors(photographs: ArrayLike | Iterable[Floats], rank: int) -> Fac
     count = len(blocks[0])
     pixels = sum(_checked_block(block, count).shape[1] for block in blocks)
     number = _checked_rank(rank, count)
-    gram = sum((_gram(block) for block in blocks), start=np.zeros((count, count)))
-    _refuse_unfinite(gram)
-    values, vectors = _eigen(gram)
-    if values[number - 1] < RESOLVED * values[0]:
-        gram = sum((_gram(block, np.float64) for block in blocks), start=np.zeros((count, count)))
+    for dtype in (None, np.float64) if _resolved(blocks[0], number) else (np.float64,):
+        gram = sum((_gram(block, dtype) for block in blocks), start=np.zeros((count, count)))
+        _refuse_unfinite(gram)
         values, vectors = _eigen(gram)
+        if values[number - 1] >= RESOLVED * values[0]:
+            break
     some = min(number + SPARE, count)
     rows, inner = [], np.zeros((some, some))
     towards = vectors[:, :some].T
@@ -170,6 +170,14 @@ def _read_once(blocks: Iterator[Floats], rank: int) -> Factors:
     values, vectors = _eigen(gram)
     sign = np.where(vectors[:, :number].sum(axis=0) < 0, -1.0, 1.0)
     return Factors(vectors[:, :number] * sign * np.sqrt(values[:number]), None, np.sqrt(values), pixels)
+
+
+def _resolved(block: Floats, rank: int) -> bool:
+    """Tell from a few pixels whether the last factor will stand above the rounding of float32 products."""
+    some = block[:, :: max(block.shape[1] // BLOCK, 1)]
+    with np.errstate(invalid="ignore"):
+        gram = _gram(some, np.float64)
+    return not np.isfinite(gram).all() or bool((values := _eigen(gram)[0])[rank - 1] >= 2 * RESOLVED * values[0])
 
 
 def _gram(matrix: Floats, dtype: type[np.floating[Any]] | None = None) -> Doubles:

@@ -42,12 +42,8 @@ class LinearFactors:
     scaled: Doubles
     weights: NDArray[np.float32]
 
-    def moved(self, frame: Doubles) -> tuple[Doubles, Doubles]:
-        """Return lights and scaled normals after `scaled -> frame scaled`, which leaves their products."""
-        return self.lights @ np.linalg.inv(frame), self.scaled @ frame.T
 
-
-def linear_factors(observations: Floats, saturation: float = np.inf) -> LinearFactors:
+def linear_factors(observations: Floats, saturation: float | Floats = np.inf) -> LinearFactors:
     r"""Factorize photographs of a matte surface under distant lamps robustly into three unknown factors.
 
     `I_ip = l_i . b_p` where pixel p is lit (Hayakawa, Photometric stereo under a light source with arbitrary motion,
@@ -63,7 +59,7 @@ def linear_factors(observations: Floats, saturation: float = np.inf) -> LinearFa
     observations
         (n, p) linear intensities, of lamps about equally bright (see `equalized`).
     saturation
-        From there on an observation is not used.
+        From there on an observation is not used; one for all, or (n, 1) for each photograph.
 
     Returns
     -------

@@ -6,11 +6,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
-from harmonicface.stereo.calibrated import calibrated_stereo
+from harmonicface.stereo.calibrated import HIGHEST_NOISE_GAIN, calibrated_stereo
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.least_squares import scaled_normals
+from harmonicface.stereo.robust import robust_normals
 
 FEWEST = 3  # distant lamps
+
+
+def solve(observations: Floats, lights: Floats, method: str, saturation: float) -> Pixels:
+    """Solve (n, p) observations under distant lamps by the method asked for."""
+    if method == "least_squares":
+        return plain(observations, lights, saturation)
+    if method == "matte":
+        return matte(observations, lights, saturation)
+    return robust_normals(observations, lights, saturation)
+
+
+def plain(observations: Floats, lights: Floats, saturation: float) -> Pixels:
+    """Solve (n, p) observations by least squares over all photographs in which a pixel is not saturated (Woodham)."""
+    exact = observations.astype(np.float64)
+    weights = exact < saturation
+    scaled, gain = scaled_normals(exact, lights, weights)
+    rest = (exact - lights @ scaled.T) * weights
+    used = weights.sum(axis=0)
+    residual = np.sqrt(np.einsum("np,np->p", rest, rest) / np.maximum(used, 1))
+    confidence = standard_error(scaled, lights, residual, used)
+    confidence[gain > HIGHEST_NOISE_GAIN] = np.inf
+    return Pixels(scaled, residual, confidence, used)
 
 
 def matte(observations: Floats, lights: Floats, saturation: float) -> Pixels:

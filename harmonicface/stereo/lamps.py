@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
+from harmonicface.stereo import known_lights
 from harmonicface.stereo.in_blocks import Pixels
-from harmonicface.stereo.known_lights import standard_error
 from harmonicface.stereo.result import Ambiguity
 from harmonicface.stereo.rim import DECIDED, outward_slant
+from harmonicface.stereo.robust import robust_normals
 
 Doubles = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -37,12 +38,11 @@ class Lamps:
     ambiguity: Ambiguity
 
 
-def judged(observations: Floats, lights: Doubles, scaled: Doubles, weights: Floats) -> Pixels:
-    """Return scaled normals with their residual, standard error and count, from (n, p) weights of 0 and 1."""
-    used = (weights > 0).sum(axis=0)
-    rest = (observations - lights @ scaled.T) * (weights > 0)
-    residual = np.sqrt(np.einsum("np,np->p", rest, rest) / np.maximum(used, 1))
-    return Pixels(scaled, residual, standard_error(scaled, lights, residual, used), used)
+def solved_under(observations: Floats, lights: Doubles, method: str, saturation: float) -> Pixels:
+    """Solve (n, p) observations under the lamps that were found, glossy and partly in shadow unless told otherwise."""
+    if method == "robust":
+        return robust_normals(observations, lights, saturation)
+    return known_lights.solve(observations, lights, method, saturation)
 
 
 def bulging(lights: Doubles, scaled: Doubles, mask: Mask) -> tuple[Doubles, Doubles, float]:

@@ -8,7 +8,38 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface._validate import Floats
 
 _ROWS, _COLUMNS = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])  # upper triangle of a symmetric matrix
+_BLOCK = 1 << 15  # pixels at a time: a product with so many columns runs at the speed of memory
 _SINGULAR = 1e-12  # of the determinant over the cube of the trace: beyond what float64 resolves
+
+
+def plain_least_squares(observations: Floats, lights: Floats) -> Floats:
+    """Return albedo times normal of each pixel by least squares over all its observations (Woodham 1980).
+
+    One product with the pseudo-inverse of the lights, in the observations' own precision: a single pass over them.
+
+    Parameters
+    ----------
+    observations
+        (n, p) intensities.
+    lights
+        (n, 3) directions to the lights, times their brightness, spanning space.
+
+    Returns
+    -------
+    array
+        (p, 3) of the observations' type, a view of contiguous components.
+
+    Examples
+    --------
+    >>> plain_least_squares(np.array([[0.1], [0.2], [0.4]]), np.eye(3))
+    array([[0.1, 0.2, 0.4]])
+    """
+    inverse = np.linalg.pinv(lights).astype(observations.dtype)
+    scaled = np.empty((3, observations.shape[1]), observations.dtype)
+    for start in range(0, observations.shape[1], _BLOCK):
+        block = slice(start, start + _BLOCK)
+        np.matmul(inverse, observations[:, block], out=scaled[:, block])
+    return scaled.T
 
 
 def scaled_normals(

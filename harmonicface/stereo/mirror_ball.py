@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import label
+from scipy.ndimage import binary_dilation, label
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
@@ -17,6 +17,7 @@ ROUND = 0.95  # of the area that a mask and its circle cover together, in both
 BROADEST = 0.1  # of the ball that a lamp's highlight may cover
 RIVAL = 0.5  # of the highlight's light, in another one
 INSIDE = 0.985  # of the radius: the rim's pixels show the background too
+BORDER = 2  # pixels around a highlight
 CONTRAST = 1.5  # of the highlight over the ball's median
 
 Circle = tuple[float, float, float]
@@ -148,5 +149,6 @@ def _direction(photo: Floats, inside: NDArray[np.bool_], reflected: Floats, inde
         raise HarmonicFaceError(
             f"ball: expected a small highlight in photograph {index}, got one on {spot.sum() / inside.sum():.0%} of it"
         )
+    spot = binary_dilation(spot, np.ones((3, 3)), BORDER) & inside  # with the pixels that it fills in part
     mean = light[spot] @ reflected[spot]
     return np.asarray(mean / np.linalg.norm(mean))

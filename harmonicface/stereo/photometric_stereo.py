@@ -20,10 +20,11 @@ from harmonicface.stereo.in_blocks import Images, Pixels, Stack, solved, spread
 from harmonicface.stereo.integration import integrate_normals
 from harmonicface.stereo.perspective_integration import integrate_perspective
 from harmonicface.stereo.result import Ambiguity, Model, StereoResult
+from harmonicface.stereo.unknown_lights import Found, find_lights
 from harmonicface.surfaces.surface import Surface
 
 Integration = Literal["poisson", "weighted", "bilateral", "none"]
-Method = Literal["robust", "least_squares"]
+Method = Literal["robust", "matte", "least_squares"]
 Progress = Callable[[str, int, int], None]
 
 Mask = NDArray[np.bool_]
@@ -61,7 +62,8 @@ def photometric_stereo(
     model
         "linear3", "ambient4" or "harmonic9" (see `StereoResult`); "auto" chooses for unknown lights.
     method
-        For known lamps: "robust" leaves shadows and highlights out, "least_squares" trusts everything (Woodham).
+        For known lamps: "robust" explains highlights and leaves shadows out (`robust_normals`), "matte" leaves shadows
+        out (`calibrated_stereo`), "least_squares" trusts everything that is not saturated (Woodham 1980).
     face
         True if the images show a face from the front: its symmetry and a mean face resolve what is ambiguous.
     intensities
@@ -106,27 +108,25 @@ def photometric_stereo(
     brightness = None if intensities is None else _checked_intensities(intensities, len(array))
     stack = Stack(array, inside, balance(brightness), _checked_saturation(saturation))
     if lights is None:
-        raise HarmonicFaceError("lights: expected directions, got none: unknown lights cannot be solved yet")
-    directions = _checked_directions(lights, len(array))
-    _enough(len(array), "linear3")
-    if brightness is not None:
-        directions = directions * effective(brightness)[:, None]
-    factors = leading_factors(_told(stack, tell), 3)
-    solve = partial(known_lights.matte, lights=directions, saturation=stack.saturation)
-    found = solved(stack, solve, lambda done, of: tell("normals", done, of))
-    surface = _surface(found, inside, pixel_size, integration, intrinsics, distance, tell)
+        _enough(len(array), "linear3" if model == "auto" else model)
+        grey = None if brightness is None else effective(brightness)
+        found = find_lights(stack, model, method, face, grey, tell)
+    else:
+        found = _under(stack, _checked_directions(lights, len(array)), brightness, method, tell)
+    factors = leading_factors(_told(stack, tell), UNKNOWNS[found.model])
+    surface = _surface(found.pixels, inside, pixel_size, integration, intrinsics, distance, tell)
     result = StereoResult(
         surface=surface,
-        lights=directions,
-        model="linear3",
-        model_reason="the directions of distant lamps were given",
-        residual=spread(found.residual, inside),
-        confidence=spread(found.confidence, inside),
-        used=spread(found.used, inside),
-        ambiguity=Ambiguity("none", "the lights are known"),
-        left_out={},
+        lights=found.lights,
+        model=found.model,
+        model_reason=found.model_reason,
+        residual=spread(found.pixels.residual, inside),
+        confidence=spread(found.pixels.confidence, inside),
+        used=spread(found.pixels.used, inside),
+        ambiguity=found.ambiguity,
+        left_out=found.left_out,
         singular_values=factors.singular_values,
-        rank=factors.above_noise(factors.residual(3)),
+        rank=factors.above_noise(factors.residual(factors.rank)),
         gap=factors.gap,
         condition=factors.condition,
     )
@@ -134,6 +134,17 @@ def photometric_stereo(
         return result
     colours = (np.where(image[inside] < stack.saturation, image[inside], np.inf) for image in array)
     return with_colours(result, colours, brightness if brightness is not None and brightness.ndim == 2 else None)
+
+
+def _under(stack: Stack, lights: Floats, brightness: Floats | None, method: str, tell: Progress) -> Found:
+    """Return what is found under known lamps."""
+    _enough(len(lights), "linear3")
+    if brightness is not None:
+        lights = lights * effective(brightness)[:, None]
+    solve = partial(known_lights.solve, lights=lights, method=method, saturation=stack.saturation)
+    pixels = solved(stack, solve, lambda done, of: tell("normals", done, of))
+    reason = "the directions of distant lamps were given"
+    return Found(lights, pixels, "linear3", reason, Ambiguity("none", "the lights are known"), {})
 
 
 def _told(stack: Stack, tell: Progress) -> Iterator[Floats]:

@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.bas_relief import SPREAD, relief_of_equal_lamps, unit_frame
-from harmonicface.stereo.hayakawa import LinearFactors, linear_factors
+from harmonicface.stereo.bas_relief import SPREAD, unit_frame
+from harmonicface.stereo.bas_relief_cues import equal_albedo, highlights, known_lamps, matrix_of, pooled
+from harmonicface.stereo.hayakawa import linear_factors
 from harmonicface.stereo.integrability import integrable_frame, integrable_rotation
-from harmonicface.stereo.lamps import Lamps, bulging, judged, of_rim
-from harmonicface.stereo.least_squares import scaled_normals
+from harmonicface.stereo.lamps import Lamps, bulging, of_rim, solved_under
+from harmonicface.stereo.matte_refinement import Refined, refined
 
 Doubles = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -21,14 +22,19 @@ WORSE, SLACK = 2.0, 10.0  # the misfit of lamps beyond which the shape is taken 
 LEAST_INNER = 30  # pixels, several for each of the nine unknowns of a frame
 
 
-def unknown_directions(observations: Floats, mask: Mask, saturation: float = np.inf, seed: int = 0) -> Lamps:
+def unknown_directions(
+    observations: Floats, mask: Mask, saturation: float = np.inf, *, method: str = "robust", seed: int = 0
+) -> Lamps:
     """Find normals, albedo and directions from photographs under equally bright lamps in unknown directions.
 
-    1. `I = L B'` with a rank of 3, shadows and highlights left out (`linear_factors`).
+    1. `I = L B'` with a rank of 3, shadows and highlights left out (`linear_factors`), and both factors refined
+       together (`refined`).
     2. Any frame might stand between: the one in which B is integrable is right up to a bas-relief transformation
-       (`integrable_frame`), and that all lamps have length 1 determines the transformation. Where the shape leaves its
+       (`integrable_frame`), and that all lamps have length 1 determines the transformation; equal albedo of neighbours
+       and highlights add what they can (`pooled`). Where the shape leaves its
        frame open, the other way round: lamps of length 1 leave a rotation, and integrability determines that.
     3. Convex or concave: things bulge toward the camera, so the rim points outward.
+    4. The lamps being known, all pixels are solved under them by the method asked for.
 
     Parameters
     ----------
@@ -38,6 +44,8 @@ def unknown_directions(observations: Floats, mask: Mask, saturation: float = np.
         (h, w) booleans with p of them true, row by row.
     saturation
         From there on an observation is not used.
+    method
+        "robust" or "least_squares", of the last step.
     seed
         Of the searches' starts.
 
@@ -56,14 +64,13 @@ def unknown_directions(observations: Floats, mask: Mask, saturation: float = np.
         )
     checked_inside(observations, mask)
     factors = linear_factors(observations, saturation)
-    lights, scaled = _shape_first(factors, mask, seed)
-    other = _lamps_first(factors, mask, seed)
+    start = refined(observations, factors.lights, factors.scaled, factors.weights)
+    lights, slant = _shape_first(observations, start, mask, seed)
+    other = _lamps_first(start, mask, seed)
     if other and _inequality(lights) > WORSE * _inequality(other[0]) + SLACK:  # three more unknowns fit a little better
-        lights, scaled = other
-    lights, scaled, slant = bulging(lights, scaled, mask)
+        lights, slant = other
     lights = lights / np.linalg.norm(lights, axis=1)[:, None]
-    scaled, _ = scaled_normals(observations, lights, factors.weights)
-    return Lamps(lights, judged(observations, lights, scaled, factors.weights), of_rim(slant))
+    return Lamps(lights, solved_under(observations, lights, method, saturation), of_rim(slant))
 
 
 def checked_inside(observations: Floats, mask: Mask) -> None:
@@ -78,22 +85,25 @@ def checked_inside(observations: Floats, mask: Mask) -> None:
         )
 
 
-def _shape_first(factors: LinearFactors, mask: Mask, seed: int) -> tuple[Doubles, Doubles]:
-    """Return lights and scaled normals: integrable, then equal lamps."""
-    frame = integrable_frame(factors.scaled, mask, seed).matrix
-    lights, scaled = factors.moved(frame)
-    relief, _ = relief_of_equal_lamps(lights)
-    return lights @ np.linalg.inv(relief), scaled @ relief.T
+def _shape_first(observations: Floats, start: Refined, mask: Mask, seed: int) -> tuple[Doubles, float]:
+    """Return lights and the rim's slant: integrable, then equal lamps, albedo and highlights pooled."""
+    frame = integrable_frame(start.scaled, mask, seed).matrix
+    lights, scaled = start.lights @ np.linalg.inv(frame), start.scaled @ frame.T
+    lights, scaled, slant = bulging(lights, scaled, mask)
+    cues = [known_lamps(lights), equal_albedo(scaled, mask, seed)]
+    cues.append(highlights(observations, lights, scaled, pooled(cues).relief, seed))
+    return lights @ np.linalg.inv(matrix_of(pooled(cues).relief)), slant
 
 
-def _lamps_first(factors: LinearFactors, mask: Mask, seed: int) -> tuple[Doubles, Doubles] | None:
-    """Return lights and scaled normals: equal lamps, then integrable; None where lamps do not tell."""
-    frame = unit_frame(factors.lights)
+def _lamps_first(start: Refined, mask: Mask, seed: int) -> tuple[Doubles, float] | None:
+    """Return lights and the rim's slant: equal lamps, then integrable; None where lamps do not tell."""
+    frame = unit_frame(start.lights)
     if frame is None:
         return None
-    lights, scaled = factors.moved(frame)
+    lights, scaled = start.lights @ np.linalg.inv(frame), start.scaled @ frame.T
     turn = integrable_rotation(scaled, mask, seed).matrix
-    return lights @ turn.T, scaled @ turn.T
+    lights, _, slant = bulging(lights @ turn.T, scaled @ turn.T, mask)
+    return lights, slant
 
 
 def _inequality(lights: Doubles) -> float:

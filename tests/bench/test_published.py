@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from harmonicface.bench.published import ROWS, published
+from harmonicface.bench.published import DIFFERENCES, ROWS, explained, published
 from harmonicface.bench.yale_contenders import YALE_METHODS
 from harmonicface.bench.yale_protocols import PROTOCOLS
 
@@ -29,3 +29,14 @@ def test_the_interval_holds_the_printed_error(row) -> None:  # type: ignore[no-u
         found = row.rate(subsets)
         assert 100 * found.low <= percent <= 100 * found.high
         assert 100 * found.value == pytest.approx(percent, abs=50 / found.trials)
+
+
+def test_only_differences_are_explained() -> None:
+    rows = [
+        ["correlation", "1-4", "", "", "fewer"],
+        ["Eigenfaces", "1-4", "", "", "as many"],
+        ["gradient angle", "more"],
+    ]
+    assert explained("subset1", rows) == {"correlation": DIFFERENCES["correlation"]}
+    assert explained("frontal", rows) == {}
+    assert set(DIFFERENCES) <= {row.ours for row in ROWS}

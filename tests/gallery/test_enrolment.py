@@ -12,6 +12,7 @@ from harmonicface.gallery.frame import Frame
 from harmonicface.recognition.models import harmonic9
 
 NINE = Model(harmonic9)
+DEFAULT = Model(harmonic9, 1, True)
 PERSON = hf.synthetic_person(4, 24)
 
 
@@ -36,6 +37,35 @@ def test_photographs_span_themselves_up_to_nine_directions() -> None:
     assert angles(enrolled.subspace.rows, few.reshape(4, -1).T).max() < 1e-6
     strongest = np.linalg.svd(many.reshape(12, -1), full_matrices=False)[2][:9]
     assert angles(enrolment_of(many, None, NINE).subspace.rows, strongest.T).max() < 1e-6
+
+
+def lit(right: int = 0, down: int = 0) -> np.ndarray:
+    """Return photographs of somebody under five lamps, of which the first shows her at her place, the others moved."""
+    person = hf.synthetic_person(1, (96, 84))
+    towards = [[0.0, 0.0, 1.0], [0.4, 0.0, 0.9], [-0.4, 0.1, 0.9], [0.0, 0.45, 0.9], [0.1, -0.4, 0.9]]
+    photos = [hf.render(person, hf.lights.directional(one)) for one in towards]
+    return np.stack([photos[0], *(np.roll(photo, (down, right), axis=(0, 1)) for photo in photos[1:])])
+
+
+def test_photographs_that_show_a_person_at_different_places_are_registered() -> None:
+    still, apart = (enrolment_of(photos, None, DEFAULT) for photos in (lit(), lit(6, -5)))
+    assert still.template is not None and apart.template is not None
+    middle = np.s_[24:72, 24:60]
+    one, other = (enrolled.template.values.astype(np.float32) for enrolled in (still, apart))
+    # those of the four stay where they are: the place of most of them is hers
+    alike = [
+        np.corrcoef(one[middle].ravel(), np.roll(other, shift, (0, 1))[middle].ravel())[0, 1]
+        for shift in ((5, -6), (0, 0))
+    ]
+    assert max(alike) > 0.9
+    assert enrolment_of(lit(6, -5), None, NINE).subspace.rank == 5  # a plain projection takes them as they are
+
+
+def test_photographs_at_about_one_place_and_those_without_anything_in_common_stay_as_they_are() -> None:
+    near, noise = lit(1, -1), np.random.default_rng(0).uniform(0.1, 1, (3, 48, 48))
+    for photos in (near, noise):
+        enrolled = enrolment_of(photos, None, DEFAULT)
+        assert angles(enrolled.subspace.rows, photos.reshape(len(photos), -1).T).max() < 1e-3
 
 
 def test_the_gallerys_frame_is_kept() -> None:

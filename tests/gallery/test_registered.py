@@ -11,6 +11,7 @@ import harmonicface as hf
 from harmonicface.gallery import registered
 from harmonicface.gallery.registered import CHARGE, looked_at
 from harmonicface.recognition.placement import Placement
+from harmonicface.stereo.motion import STILL
 
 SHAPE = (96, 84)
 PEOPLE = {str(seed): hf.synthetic_person(seed, SHAPE) for seed in range(6)}
@@ -103,8 +104,20 @@ def test_where_nobody_is_then_named_the_photograph_stays_as_it_is(gallery: hf.Ga
     assert [candidate.score for candidate in found.candidates] == sorted(rest.scores.tolist(), reverse=True)
 
 
+def test_who_nearly_coincides_with_somebody_is_not_moved_to_be_the_other(
+    gallery: hf.Gallery, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    turned = seen_at(PHOTO, Placement(7, -5, 8))
+    people, asked = gallery._people, gallery._people.asked(turned, None)
+    everybody = np.arange(len(people))
+    assert registered.registered_look(people, asked, everybody, 6, 6.0).motion is not STILL
+    monkeypatch.setattr(registered.Looked, "nearest", 0.3)  # as if somebody had been as much alike at rest
+    found = registered.registered_look(people, asked, everybody, 6, 6.0)
+    assert found.motion is STILL and found.verdict.scores.max() < 6
+
+
 def test_the_light_and_the_explanation_are_those_of_the_photograph(gallery: hf.Gallery) -> None:
-    turned = seen_at(PHOTO, Placement(4, 5, 8))
+    turned = seen_at(PHOTO, Placement(7, -5, 8))
     rest, moved = gallery.match(PHOTO), gallery.match(turned)
     assert rest.light is not None and moved.light is not None
     cosine = rest.light.values @ moved.light.values

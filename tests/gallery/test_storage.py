@@ -152,8 +152,8 @@ def changed(path: Path, change: Callable[[dict, dict, dict], None]) -> str:
     [
         ("format", "harmonicface atlas", "expected a harmonicface gallery, got a file of 'harmonicface atlas'"),
         ("format", None, "expected a harmonicface gallery, got a file of 'another kind'"),
-        ("version", "3", "expected version 1 or 2 of the gallery format, got 3"),
-        ("version", None, "expected version 1 or 2 of the gallery format, got None"),
+        ("version", "4", "expected version 1, 2, 3 of the gallery format, got 4"),
+        ("version", None, "expected version 1, 2, 3 of the gallery format, got None"),
         ("about", None, "expected a gallery that agrees with itself"),
         ("about", "[", "expected a gallery that agrees with itself"),
     ],
@@ -251,9 +251,10 @@ def test_a_save_that_fails_leaves_the_old_file_and_no_other(path: Path, monkeypa
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_a_gallery_of_the_first_version_opens(path: Path) -> None:
+@pytest.mark.parametrize("version", ["1", "2"])
+def test_a_gallery_of_an_older_version_opens(path: Path, version: str) -> None:
     arrays, header = read_arrays(path)
-    write_arrays(path, arrays, {**header, "version": "1"})
+    write_arrays(path, arrays, {**header, "version": version})
     same_answers(hf.Gallery.open(path), small_gallery())
 
 
@@ -275,3 +276,14 @@ def test_templates_that_do_not_fit(tmp_path: Path, change: Callable[[dict, dict,
         gallery.enroll(str(index), person)
     gallery.save(tmp_path / "people.gallery")
     assert "expected a gallery that agrees with itself" in changed(tmp_path / "people.gallery", change)
+
+
+def test_templates_of_an_older_version_are_refused(tmp_path: Path) -> None:
+    gallery, path = hf.Gallery(), tmp_path / "people.gallery"
+    gallery.enroll("ada", hf.synthetic_person(1, 24))
+    gallery.save(path)
+
+    def change(_arrays: dict, _about: dict, header: dict) -> None:
+        header["version"] = "2"
+
+    assert "expected templates of version 3 of the gallery format, got those of 2: enrol" in changed(path, change)

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.ndimage import gaussian_filter
+from scipy.special import logsumexp
 
 import harmonicface as hf
 from harmonicface.datasets.yale_b import load_yale_b
+from harmonicface.recognition.blocks import correlations
 from harmonicface.recognition.patterns import SCALES, Template, patterns, similarity
 
 FACES = np.random.default_rng(0).uniform(0.1, 1, (3, 48, 60))
@@ -22,7 +24,8 @@ def test_the_formula() -> None:
     for found, scale in zip(patterns(photo), SCALES, strict=True):
         detail = gaussian_filter(log, scale) - gaussian_filter(log, 1.5 * scale)
         energy = np.sqrt(gaussian_filter(detail**2, 3))
-        assert_allclose(found, np.tanh(detail / (energy + 0.1 * energy.mean() + 1e-4)), atol=1e-4)
+        squashed = np.tanh(detail / (energy + 0.1 * energy.mean() + 1e-4))
+        assert_allclose(found, np.clip(squashed - gaussian_filter(squashed, 2), -1, 1), atol=2e-4)
 
 
 @pytest.mark.parametrize("scale", [1e-20, 1e20])
@@ -64,6 +67,16 @@ def test_a_mask_hides_what_is_bad() -> None:
 def test_where_there_is_nothing_there_is_no_pattern(photo: np.ndarray) -> None:
     found = similarity(patterns(photo), [Template.of([patterns(FACES[0])])])
     assert (found.blocks, found.scores.tolist()) == (0, [0.0])
+
+
+def test_the_score_takes_all_shifts_together() -> None:
+    templates = [Template.of([patterns(face)]) for face in FACES[1:]]
+    query = patterns(FACES[0])
+    parts = correlations(query.sum(axis=0), [template.blocks for template in templates], 2)
+    free, still = (0.01 * logsumexp(part.reshape(2, -1).astype(float) / 0.01, axis=1) for part in parts)
+    found = similarity(query, templates, reach=2).scores
+    assert_allclose(found, 0.75 * free + 0.25 * still, atol=1e-5)
+    assert (found < 0.75 * (parts[0].max(axis=(1, 2)) + 0.05) + 0.25 * (parts[1].max(axis=(1, 2)) + 0.05)).all()
 
 
 def test_a_template_is_the_mean_of_photographs_in_register() -> None:

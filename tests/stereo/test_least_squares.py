@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from harmonicface.stereo.least_squares import scaled_normals
+from harmonicface.stereo.least_squares import plain_least_squares, scaled_normals
 
 
 def test_agrees_with_the_library_solver_pixel_by_pixel() -> None:
@@ -58,3 +58,12 @@ def test_too_little_light_has_infinite_gain_and_no_number_made_up(weights: list[
     scaled, gain = scaled_normals(np.ones((4, 1)), lights, np.array(weights, bool)[:, None])
     assert np.isposinf(gain).all()
     assert not scaled.any()
+
+
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float32, 2e-6), (np.float64, 1e-12)])
+def test_one_product_is_the_least_squares_solution(dtype: type, tolerance: float) -> None:
+    generator = np.random.default_rng(5)
+    lights, observations = generator.normal(size=(96, 3)), generator.random((96, 40000)).astype(dtype)
+    found = plain_least_squares(observations, lights)
+    assert found.dtype == dtype
+    assert_allclose(found.T, np.linalg.lstsq(lights, observations.astype(np.float64), rcond=None)[0], atol=tolerance)
