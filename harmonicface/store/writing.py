@@ -48,13 +48,13 @@ def commit(folder: Path, manifest: Manifest) -> None:
 
 
 def sweep(folder: Path, keep: set[str]) -> None:
-    """Remove shards and temporary files that are not the folder's; what others put there is left alone."""
-    strays = [one for one in folder.iterdir() if _is_ours(one.name) and one.name not in keep]
-    for one in strays:
+    """Remove shards and temporary files that are not the folder's; what others put there is left alone.
+
+    A loss of power may bring them back: then the next writer removes them.
+    """
+    for one in [one for one in folder.iterdir() if _is_ours(one.name) and one.name not in keep]:
         with suppress(FileNotFoundError):
             one.unlink()
-    if strays:
-        make_durable(folder)
 
 
 def _is_ours(name: str) -> bool:

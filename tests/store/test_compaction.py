@@ -196,3 +196,17 @@ def test_a_revision_that_fails_changes_nothing(filled, make) -> None:
         filled.revise(lambda entry: entry)
     filled.rename("entry 1", "one")  # the next writer removes what was written in vain
     assert {path.name for path in filled.path.iterdir()} == before.files | {NAME}
+
+
+def test_a_loss_of_power_does_not_bring_back_what_was_removed(filled, monkeypatch) -> None:
+    fsync, seen = os.fsync, []
+
+    def noted(handle: int) -> None:
+        fsync(handle)
+        seen.append({path.name for path in filled.path.iterdir()} if os.fstat(handle).st_ino == node else None)
+
+    node = filled.path.stat().st_ino
+    filled.remove("entry 3")
+    monkeypatch.setattr(os, "fsync", noted)
+    filled.compact()
+    assert seen[-1] == filled.version().manifest.files | {NAME}
