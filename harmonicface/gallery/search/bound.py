@@ -1,13 +1,13 @@
 r"""How much of a photograph a person can explain at most, from her sketch.
 
-Let Q be an orthonormal basis of her span, (r, p), and U the shared basis, (m, p). A unit photograph is y = U^T a + z with
-U z = 0 and |z| <= rho. With C = Q U^T and the stored B, which is C rounded,
+Let Q be an orthonormal basis of her span, (r, p), and U the shared basis, (m, p). A unit photograph is y = U^T a + z
+with U z = 0 and |z| <= rho. With C = Q U^T and the stored B, which is C rounded,
 
     Q y = C a + (Q - C U) z = B a + (C - B) a + R z,   R = Q - C U,   R R^T = I - C C^T.
 
-Q is turned so that I - C C^T = diag(s_k^2). Then R z = S t with t = S^{-1} R z, and |t| <= |z| <= rho because S^{-1} R has
-orthonormal rows (a row with s_k = 0 is 0). The products are b = B a + rounding. With |a| <= 1 both roundings together
-are at most a known doubt delta, so
+Q is turned so that I - C C^T = diag(s_k^2). Then R z = S t with t = S^{-1} R z, and |t| <= |z| <= rho because S^{-1} R
+has orthonormal rows (a row with s_k = 0 is 0). The products are b = B a + rounding. With |a| <= 1 both roundings
+together are at most a known doubt delta, so
 
     |Q y| <= max_{|t| <= rho} |b + S t| + delta.
 
@@ -21,10 +21,11 @@ and the smallest V is the maximum itself. With lambda = max_k s_k^2 + |S b| / rh
     |b|^2 + 2 rho |S b| + rho^2 max_k s_k^2,
 
 which needs one more product: `plain`. `sharp` takes a few steps of Newton's method towards the best lambda from there.
-Strong modes have small s_k: that is why both are far below the bound |b| + rho max_k s_k of the spectral norm.
+Strong modes have small s_k: that is why both are far below the bound (|b| + rho max_k s_k)^2 of the spectral norm.
 
-All terms are sums, products, quotients and roots of numbers that are not negative, and the one difference, lambda - s_k^2,
-is between two numbers that are what they are; so float32 errs by a relative r + 16 units, and `ROUNDED` units are added.
+Larger s_k and rho only make the bound larger, so they may be rounded up. All terms are sums, products, quotients and
+roots of numbers that are not negative, and the one difference, lambda - s_k^2, is between two stored numbers; so
+float32 errs by at most r + `OPERATIONS` units of the result, and twice as many are added.
 """
 
 from __future__ import annotations
@@ -97,4 +98,3 @@ def least_closeness(distance: float, pixels: int, rank: int) -> float:
     """
     rounding = 16 * (pixels + rank) * rank * UNIT_ROUNDING
     return (1 - rounding) - (distance + rounding) ** 2
-

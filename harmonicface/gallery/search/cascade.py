@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.gallery.search import bound
-from harmonicface.gallery.search.crowd import Array, Company, Indices
+from harmonicface.gallery.search.crowd import EVERYBODY, Array, Company, Indices
 from harmonicface.gallery.search.limit import Limit
 from harmonicface.gallery.search.pixels import Pixels
-from harmonicface.gallery.search.shared_basis import SharedBasis
+from harmonicface.gallery.search.shared_basis import Question, SharedBasis
 
-PROBED = 3  # people who are measured at each stage beside those asked for, to lower the limit early
+PROBED = 2  # people who are measured at each stage beside those asked for, to lower the limit early
+FORESEEN = 64  # people whom the second stage sees before the first one excludes anybody
 FURTHEST = 1.0  # no distance is larger
 
 
@@ -29,17 +31,20 @@ class Found:
     distances
         Of each, as `Subspace.distance`.
     survivors
-        How many people no bound had excluded after each stage, then after all pixels in float32; the exact distance of
-        each of the last was computed.
+        How many people no bound had excluded after each stage; later stages are left out when reading the pixels of
+        those who are left is cheaper.
+    measured
+        Of how many people the exact distance was computed.
     """
 
     people: tuple[int, ...]
     distances: tuple[float, ...]
     survivors: tuple[int, ...]
+    measured: int
 
 
 @dataclass
-class _Suspects:
+class Suspects:
     """Those of a company whom no bound has excluded so far."""
 
     company: Company
@@ -47,6 +52,20 @@ class _Suspects:
     products: Array
     explained: Array
     bounds: Array
+
+    def ask_again(self, stage: int, coordinates: Array, remainder: NDArray[np.float32]) -> None:
+        """Compute the bounds of a later stage."""
+        self.products = self.company.next_products(stage, self.chosen, self.products, coordinates)
+        squares = self.company.squares[stage][self.chosen]
+        self.explained, self.bounds = bound.plain(self.products, squares, remainder)
+
+    def exclude(self, stage: int, remainder: NDArray[np.float32], limit: Limit) -> None:
+        """Keep those whose bound reaches the limit: first by the plain bound, then by the sharp one."""
+        doubts = self.company.doubts[stage]
+        self.keep(reaches(self.bounds, doubts[self.chosen], limit.closeness))
+        squares = self.company.squares[stage][self.chosen]
+        self.bounds = np.minimum(self.bounds, bound.sharp(self.products, squares, remainder))
+        self.keep(reaches(self.bounds, doubts[self.chosen], limit.closeness))
 
     def keep(self, kept: NDArray[np.bool_]) -> None:
         """Forget the others."""
@@ -84,59 +103,96 @@ def search(
     distance
         Nobody farther than this, 0 to 1.
     """
-    question = basis.question(unit[None])
-    coordinates = question.coordinates[0].astype(np.float32)
-    stops = companies[0].stops
-    # cast up: nextafter of a rounding to nearest is never below
-    remainders = np.nextafter(question.remainders[0, list(stops)].astype(np.float32), np.float32(np.inf))
+    question = Question(basis, unit)
+    first = companies[0].stops[0]
+    rest, coordinates = question.remainder(first), question.coordinates(first)
+    suspects = [begin(company, np.arange(len(company.people)), coordinates, rest) for company in companies]
+    limit = new_limit(companies, pixels, unit, top, distance)
+    if top is not None:
+        foresee(companies, [some.explained for some in suspects], question, limit, top)
+    for some in suspects:
+        some.exclude(0, rest, limit)
+    return descend(suspects, question, limit, pixels, unit, top)
+
+
+def new_limit(
+    companies: Sequence[Company], pixels: Pixels, unit: NDArray[np.float64], top: int | None, distance: float
+) -> Limit:
+    """Return the limit of a search that has just begun."""
     rank = max(company.rank for company in companies)
-    limit = Limit(top, distance, lambda person: pixels.distance(person, unit), pixels.size, rank)
-    suspects, survivors = [_everybody(company, coordinates, remainders[0]) for company in companies], []
-    for stage in range(len(stops)):
-        if stage:
-            for some in suspects:
-                _ask_again(some, stage, coordinates, remainders[stage])
-        _probe(suspects, limit, top)
+    return Limit(top, distance, lambda person: pixels.distance(person, unit), pixels.size, rank)
+
+
+def descend(
+    suspects: Sequence[Suspects],
+    question: Question,
+    limit: Limit,
+    pixels: Pixels,
+    unit: NDArray[np.float64],
+    top: int | None,
+) -> Found:
+    """Take those whom the first stage leaves through the later ones."""
+    stops = suspects[0].company.stops
+    survivors = [sum(len(some.chosen) for some in suspects)]
+    for stage in range(1, len(stops)):
+        if not _pays(suspects, stops[stage] - stops[stage - 1]):
+            break
+        rest, coordinates = question.remainder(stops[stage]), question.coordinates(stops[stage])
         for some in suspects:
-            _exclude(some, stage, remainders[stage], limit)
+            some.ask_again(stage, coordinates, rest)
+        if top is not None:
+            _probe(suspects, limit, top + PROBED)
+        for some in suspects:
+            some.exclude(stage, rest, limit)
         survivors.append(sum(len(some.chosen) for some in suspects))
-    survivors.append(_examine(suspects, pixels, unit, limit))
+    _examine(suspects, len(survivors) - 1, pixels, unit, limit)
     answer = limit.answer()
-    return Found(tuple(who for _, who in answer), tuple(distance for distance, _ in answer), tuple(survivors))
+    people, distances = tuple(who for _, who in answer), tuple(distance for distance, _ in answer)
+    return Found(people, distances, tuple(survivors), len(limit.measured))
 
 
-def _everybody(company: Company, coordinates: Array, remainder: np.float32) -> _Suspects:
-    """Return the bounds of the first stage."""
-    products = company.first_products(coordinates)
-    explained, bounds = bound.plain(products, company.squares[0], remainder)
-    return _Suspects(company, np.arange(len(products)), products, explained, bounds)
+def _pays(suspects: Sequence[Suspects], columns: int) -> bool:
+    """Return whether a stage reads less than the pixels of those who are left: its part of the basis is float64."""
+    return sum(len(some.chosen) * some.company.rank for some in suspects) > 2 * columns
 
 
-def _ask_again(some: _Suspects, stage: int, coordinates: Array, remainder: np.float32) -> None:
-    """Compute the bounds of a later stage."""
-    some.products = some.company.next_products(stage, some.chosen, some.products, coordinates)
-    squares = some.company.squares[stage][some.chosen]
-    some.explained, some.bounds = bound.plain(some.products, squares, remainder)
+def begin(company: Company, chosen: Indices, coordinates: Array, remainder: NDArray[np.float32]) -> Suspects:
+    """Return people of a company with the bounds of the first stage."""
+    everybody = len(chosen) == len(company.people)
+    products = company.first_products(coordinates, EVERYBODY if everybody else chosen)
+    squares = company.squares[0] if everybody else company.squares[0][chosen]
+    return Suspects(company, chosen, products, *bound.plain(products, squares, remainder))
 
 
-def _probe(suspects: Sequence[_Suspects], limit: Limit, top: int | None) -> None:
+def foresee(
+    companies: Sequence[Company], explained: Sequence[Array], question: Question, limit: Limit, top: int
+) -> None:
+    """Lower the limit by those who look likeliest at the first stage, and of these at the second."""
+    stops = companies[0].stops
+    coordinates, rest = question.coordinates(stops[0]), question.remainder(stops[0])
+    likely = zip(companies, _likeliest(explained, FORESEEN + 4 * top), strict=True)
+    ahead = [begin(company, chosen, coordinates, rest) for company, chosen in likely]
+    if len(stops) > 1 and _pays(ahead, stops[1] - stops[0]):
+        coordinates, rest = question.coordinates(stops[1]), question.remainder(stops[1])
+        for some in ahead:
+            some.ask_again(1, coordinates, rest)
+    _probe(ahead, limit, top + PROBED)
+
+
+def _likeliest(explained: Sequence[Array], count: int) -> list[Indices]:
+    """Return, of each company, those among the people of whom most is explained."""
+    together = np.concatenate(explained)
+    count = min(count, len(together))
+    chosen = np.sort(np.argpartition(together, -count)[-count:]) if count else np.empty(0, np.intp)
+    starts = np.cumsum([0, *(len(some) for some in explained)])
+    return [chosen[(chosen >= a) & (chosen < b)] - a for a, b in pairwise(starts)]
+
+
+def _probe(suspects: Sequence[Suspects], limit: Limit, count: int) -> None:
     """Measure the likeliest people, so that the limit is low before anybody is examined."""
-    if top is None:
-        return
-    explained = np.concatenate([some.explained for some in suspects])
-    people = np.concatenate([some.people for some in suspects])
-    count = min(top + PROBED, len(people))
-    if count:
-        for person in people[np.argpartition(explained, -count)[-count:]]:
+    for some, chosen in zip(suspects, _likeliest([some.explained for some in suspects], count), strict=True):
+        for person in some.people[chosen]:
             limit.measure(int(person))
-
-
-def _exclude(some: _Suspects, stage: int, remainder: np.float32, limit: Limit) -> None:
-    """Keep those whose bound reaches the limit: first by the plain bound, then by the sharp one."""
-    some.keep(reaches(some.bounds, some.company.doubts[stage][some.chosen], limit.closeness))
-    squares = some.company.squares[stage][some.chosen]
-    some.bounds = np.minimum(some.bounds, bound.sharp(some.products, squares, remainder))
-    some.keep(reaches(some.bounds, some.company.doubts[stage][some.chosen], limit.closeness))
 
 
 def reaches(bounds: Array, doubts: Array, closeness: float) -> NDArray[np.bool_]:
@@ -147,10 +203,10 @@ def reaches(bounds: Array, doubts: Array, closeness: float) -> NDArray[np.bool_]
     return np.asarray(np.sqrt(bounds) + doubts >= np.float32(least * (1 - 2 * float(bound.SINGLE))))
 
 
-def _examine(suspects: Sequence[_Suspects], pixels: Pixels, unit: NDArray[np.float64], limit: Limit) -> int:
-    """Look at the pixels of those who are left, the likeliest first; return of how many the distance was computed."""
+def _examine(suspects: Sequence[Suspects], stage: int, pixels: Pixels, unit: NDArray[np.float64], limit: Limit) -> None:
+    """Look at the pixels of those who are left, the likeliest first."""
     people = np.concatenate([some.people for some in suspects])
-    lengths = [np.sqrt(some.bounds) + some.company.doubts[-1][some.chosen] for some in suspects]
+    lengths = [np.sqrt(some.bounds) + some.company.doubts[stage][some.chosen] for some in suspects]
     bounds = np.square(np.concatenate(lengths).astype(np.float64)) * (1 + 8 * float(bound.SINGLE))
     single = unit.astype(np.float32)[:, None]
     for index in np.argsort(-bounds, kind="stable"):
@@ -159,4 +215,3 @@ def _examine(suspects: Sequence[_Suspects], pixels: Pixels, unit: NDArray[np.flo
         person = int(people[index])
         if person not in limit.measured and pixels.closeness(person, single)[0] >= limit.closeness:
             limit.measure(person)
-    return len(limit.measured)

@@ -13,6 +13,7 @@ from harmonicface.gallery.search.sketch import Sketch
 
 Array = NDArray[np.float32]
 Indices = NDArray[np.intp]
+EVERYBODY = slice(None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,18 +48,18 @@ class Company:
         """How many rows each of them has."""
         return int(self.numbers[0].shape[1])
 
-    def first_products(self, coordinates: Array) -> Array:
-        """Return b of the first stage for everybody: (n, r) from (m,) coordinates, (n, r, q) from (m, q)."""
-        numbers = self.numbers[0]
+    def first_products(self, coordinates: Array, chosen: Indices | slice = EVERYBODY) -> Array:
+        """Return b of the first stage, by default for everybody: (n, r) from (m,) coordinates, (n, r, q) from (m, q)."""
+        numbers = self.numbers[0][chosen]
         flat = numbers.reshape(-1, numbers.shape[2]) @ coordinates[: self.stops[0]]
-        return flat.reshape(len(numbers), self.rank, *coordinates.shape[1:])
+        return np.asarray(flat.reshape(len(numbers), self.rank, *coordinates.shape[1:]))
 
     def next_products(self, stage: int, chosen: Indices, products: Array, coordinates: Array) -> Array:
         """Return b of a later stage, (n, r), for chosen people from (n, r) of the stage before and (m,) coordinates."""
         start, stop = self.stops[stage - 1 : stage + 1]
         added = self.numbers[stage][chosen].reshape(-1, stop - start) @ coordinates[start:stop]
-        turned = self.turns[stage - 1][chosen] @ products[:, :, None]
-        return np.asarray(turned[:, :, 0] + added.reshape(len(chosen), self.rank))
+        turned = np.einsum("nkl,nl->nk", self.turns[stage - 1][chosen], products)
+        return np.asarray(turned + added.reshape(len(chosen), self.rank))
 
 
 def crowd(sketches: Sequence[Sketch], columns: Sequence[int]) -> tuple[Company, ...]:

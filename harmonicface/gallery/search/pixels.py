@@ -32,7 +32,7 @@ class Pixels:
     size: int
 
     def closeness(self, person: int, units: NDArray[np.float32]) -> NDArray[np.float64]:
-        r"""Return upper bounds of the |Q y|^2 of a person for unit photographs, (q,) from (p, q), by one float32 product.
+        r"""Return upper bounds of |Q y|^2 of a person for unit photographs, (q,) from (p, q), by one product.
 
         A product of float32 numbers errs by at most gamma_{p+2} |q_k| |y| in each row. Stored rows with
         |Q Q^T - I| <= d make |Q y| at least \sqrt{1 - d} times as long as with orthonormal rows.

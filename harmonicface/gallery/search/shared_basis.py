@@ -17,22 +17,6 @@ UNIT_ROUNDING = 2.0**-53
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
-    """Unit photographs as the shared basis sees them; made by `SharedBasis.question`.
-
-    Parameters
-    ----------
-    coordinates
-        (q, m) coordinates in the basis.
-    remainders
-        (q, m + 1) upper bounds of the length that the first 0, 1, ... m rows leave over, 0 to 1 and a rounding.
-    """
-
-    coordinates: NDArray[np.float64]
-    remainders: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
 class SharedBasis:
     """Orthonormal rows, the most telling first.
 
@@ -97,8 +81,9 @@ class SharedBasis:
             raise HarmonicFaceError(f"rows: expected some that are not 0, got {len(sample)} of zeros")
         count = min(_validate.at_least(m, 1, "m"), *sample.shape)
         scales = np.sqrt(energies / energies.max()).astype(sample.dtype)
+        first = _validate.at_least(seed, 0, "seed")
         _, values, directions = randomized_svd(
-            sample * scales[:, None], count, n_oversamples=16, n_iter=2, random_state=_validate.at_least(seed, 0, "seed")
+            sample * scales[:, None], count, n_oversamples=16, n_iter=2, random_state=first
         )
         kept = directions[values > values[0] * np.finfo(sample.dtype).eps]
         orthonormal, triangle = np.linalg.qr(kept.T.astype(np.float64))
@@ -111,15 +96,46 @@ class SharedBasis:
         gram = self.rows @ self.rows.T
         return float(np.linalg.norm(gram - np.eye(count))) + 2 * count * pixels * UNIT_ROUNDING
 
-    def question(self, units: NDArray[np.float64]) -> Question:
-        """Return photographs of unit length, (q, p) float64, as the basis sees them.
+    @cached_property
+    def doubt(self) -> float:
+        """What must be added to 1 - |a|^2 to bound the squared length that the basis leaves over of a unit photograph.
 
         With the computed a = U y + e, y = U^T a + r has |r|^2 = |y|^2 - |a|^2 + 2 a e + a^T (U U^T - I) a; the rounding
-        of a and |y| is at most p units for each number, and all of it is added.
+        of each number of a and of |y|^2 is at most p units.
         """
         count, pixels = self.rows.shape
-        coordinates = units @ self.rows.T
-        used = np.cumsum(np.square(coordinates), axis=1)
-        left = 1 - np.concatenate([np.zeros((len(units), 1)), used], axis=1)
-        doubt = self.defect + 4 * (np.sqrt(count) + 1) * (pixels + count) * UNIT_ROUNDING
-        return Question(coordinates, np.sqrt(np.maximum(left, 0) + doubt))
+        return self.defect + 4 * (float(np.sqrt(count)) + 1) * (pixels + count) * UNIT_ROUNDING
+
+
+class Question:
+    """Unit photographs as the shared basis sees them, as far as they have been looked at.
+
+    Parameters
+    ----------
+    basis
+        Over p pixels.
+    units
+        (p,) one photograph or (p, q) several, of unit length, float64.
+    """
+
+    def __init__(self, basis: SharedBasis, units: NDArray[np.float64]) -> None:
+        self._basis, self._units = basis, units
+        self._coordinates: NDArray[np.float32] = np.empty((len(basis.rows), *units.shape[1:]), np.float32)
+        self._explained = {0: np.zeros(units.shape[1:])}  # by the stops that were looked at
+        self._seen = 0
+
+    def coordinates(self, stop: int) -> NDArray[np.float32]:
+        """Return the first `stop` coordinates, (stop,) or (stop, q)."""
+        if stop > self._seen:
+            new = self._basis.rows[self._seen : stop] @ self._units
+            self._coordinates[self._seen : stop] = new
+            self._explained[stop] = self._explained[self._seen] + np.square(new).sum(axis=0)
+            self._seen = stop
+        return self._coordinates[:stop]
+
+    def remainder(self, stop: int) -> NDArray[np.float32]:
+        """Return an upper bound of the length that the first `stop` rows leave over; ask in rising order."""
+        self.coordinates(stop)
+        left = np.sqrt(np.maximum(1 - self._explained[stop], 0) + self._basis.doubt)
+        # cast up: the float next to one that is rounded to nearest is never below
+        return np.asarray(np.nextafter(np.asarray(left, np.float32), np.float32(np.inf)))

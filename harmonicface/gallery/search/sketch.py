@@ -47,9 +47,7 @@ class Sketch:
     defect: float
 
 
-def sketch(
-    rows: ArrayLike, basis: SharedBasis, columns: Sequence[int] = COLUMNS, dtype: str = "float32"
-) -> Sketch:
+def sketch(rows: ArrayLike, basis: SharedBasis, columns: Sequence[int] = COLUMNS, dtype: str = "float32") -> Sketch:
     """Sketch a person from her rows as they are stored.
 
     Parameters
