@@ -49,7 +49,7 @@ class Company:
         return int(self.numbers[0].shape[1])
 
     def first_products(self, coordinates: Array, chosen: Indices | slice = EVERYBODY) -> Array:
-        """Return b of the first stage, by default for everybody: (n, r) from (m,) coordinates, (n, r, q) from (m, q)."""
+        """Return b of the first stage: (n, r) from (m,) coordinates, (n, r, q) from (m, q)."""
         numbers = self.numbers[0][chosen]
         flat = numbers.reshape(-1, numbers.shape[2]) @ coordinates[: self.stops[0]]
         return np.asarray(flat.reshape(len(numbers), self.rank, *coordinates.shape[1:]))

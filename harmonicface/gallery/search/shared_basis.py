@@ -94,7 +94,8 @@ class SharedBasis:
         """How far the rows are from orthonormal: |U U^T - I|, with what its computation may have lost."""
         count, pixels = self.rows.shape
         gram = self.rows @ self.rows.T
-        return float(np.linalg.norm(gram - np.eye(count))) + 2 * count * pixels * UNIT_ROUNDING
+        measured = float(np.linalg.norm(gram - np.eye(count)))
+        return measured + 2 * count * pixels * UNIT_ROUNDING
 
     @cached_property
     def doubt(self) -> float:
@@ -104,7 +105,7 @@ class SharedBasis:
         of each number of a and of |y|^2 is at most p units.
         """
         count, pixels = self.rows.shape
-        return self.defect + 4 * (float(np.sqrt(count)) + 1) * (pixels + count) * UNIT_ROUNDING
+        return self.defect + 4 * (count**0.5 + 1) * (pixels + count) * UNIT_ROUNDING
 
 
 class Question:
