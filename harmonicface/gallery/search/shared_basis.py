@@ -95,7 +95,7 @@ class SharedBasis:
         count, pixels = self.rows.shape
         gram = self.rows @ self.rows.T
         measured = float(np.linalg.norm(gram - np.eye(count)))
-        return measured + 2 * count * pixels * UNIT_ROUNDING
+        return float(measured + 2 * count * pixels * UNIT_ROUNDING)
 
     @cached_property
     def doubt(self) -> float:
@@ -105,7 +105,7 @@ class SharedBasis:
         of each number of a and of |y|^2 is at most p units.
         """
         count, pixels = self.rows.shape
-        return self.defect + 4 * (count**0.5 + 1) * (pixels + count) * UNIT_ROUNDING
+        return float(self.defect + 4 * (count**0.5 + 1) * (pixels + count) * UNIT_ROUNDING)
 
 
 class Question:

@@ -22,12 +22,15 @@ def largest(b: np.ndarray, squares: np.ndarray, rho: float) -> float:
         return float(np.sum(b**2 * squares / (multiplier - squares) ** 2) - rho**2)
 
     least = most * (1 + 1e-13)
-    if excess(least) <= 0:  # the hard case: the rest of the ball goes along the largest axis
-        multiplier = least
-    else:
+    if excess(least) > 0:
         multiplier = brentq(excess, least, most + 1e3 * np.linalg.norm(b) / rho + 1, xtol=1e-15)
-    t = b * np.sqrt(squares) / (multiplier - squares)
-    t[squares.argmax()] += np.sqrt(max(0.0, rho**2 - t @ t)) * (1 if b[squares.argmax()] >= 0 else -1)
+        t = b * np.sqrt(squares) / (multiplier - squares)
+    else:  # the hard case: what the other axes leave of the ball goes along the largest one
+        t = b * np.sqrt(squares) / (least - squares)
+        longest = squares.argmax()
+        t[longest] = 0
+        t[longest] = np.sqrt(max(0.0, rho**2 - t @ t)) * (1 if b[longest] >= 0 else -1)
+    t *= min(1.0, rho / max(np.linalg.norm(t), 1e-300))
     return float(np.sum(np.square(b + np.sqrt(squares) * t)))
 
 

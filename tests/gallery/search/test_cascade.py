@@ -24,7 +24,7 @@ KINDS = ("person", "noisy", "shared", "orthogonal", "random", "one pixel")
 def photograph(
     kind: str, rng: np.random.Generator, rows: list[NDArray[np.float32]], basis: SharedBasis
 ) -> NDArray[np.float64]:
-    """Return a unit photograph: of somebody, with noise, in the span of the shared basis, orthogonal to it, anything."""
+    """Return a unit photograph: of somebody, noisy, in the span of the shared basis, orthogonal to it, or anything."""
     who = rows[int(rng.integers(len(rows)))].astype(np.float64)
     seen = rng.normal(size=len(who)) @ who
     anything = rng.normal(size=PIXELS)
