@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from harmonicface.gallery.search import bound
 from harmonicface.gallery.search.cascade import FURTHEST, Found, begin, descend, foresee, new_limit, reaches
 from harmonicface.gallery.search.crowd import Array, Company
+from harmonicface.gallery.search.dense import descend_together
 from harmonicface.gallery.search.pixels import Pixels
 from harmonicface.gallery.search.shared_basis import Question, SharedBasis
 
+DENSE = 0.1  # share of people and photographs from which products of all with all are faster than of each pair
 BLOCK = 1 << 17  # products that are looked at together, about what a processor's cache holds
 
 
@@ -35,22 +37,29 @@ def search_many(
     units
         (q, p) photographs of unit length.
     """
-    together, first = Question(basis, np.ascontiguousarray(units.T)), companies[0].stops[0]
-    rest, coordinates = together.remainder(first), together.coordinates(first)
+    question, stops = Question(basis, np.ascontiguousarray(units.T)), companies[0].stops
+    rest, coordinates = question.remainder(stops[0]), question.coordinates(stops[0])
     seen = [_explained(company, coordinates, rest) for company in companies]
+    limits = [new_limit(companies, pixels, unit, top, distance) for unit in units]
+    if top is not None:
+        for number, limit in enumerate(limits):
+            explained = [energies[:, number] for energies, _ in seen]
+            foresee(companies, explained, question.one(number), limit, top)
+    closeness = np.array([limit.closeness for limit in limits])
+    left = [
+        reaches(bounds, company.doubts[0][:, None], closeness)
+        for company, (_, bounds) in zip(companies, seen, strict=True)
+    ]
+    if sum(int(some.sum()) for some in left) > DENSE * sum(some.size for some in left):
+        return descend_together(companies, left, question, limits, pixels, units)
     found = []
-    for number, unit in enumerate(units):
-        question, limit = Question(basis, unit), new_limit(companies, pixels, unit, top, distance)
-        remainder, alone = question.remainder(first), question.coordinates(first)
-        if top is not None:
-            foresee(companies, [explained[:, number] for explained, _ in seen], question, limit, top)
-        suspects = []
-        for company, (_, bounds) in zip(companies, seen, strict=True):
-            left = np.flatnonzero(reaches(bounds[:, number], company.doubts[0], limit.closeness))
-            some = begin(company, left, alone, remainder)
-            some.exclude(0, remainder, limit)
+    for number, (unit, limit) in enumerate(zip(units, limits, strict=True)):
+        one, suspects = question.one(number), []
+        for company, kept in zip(companies, left, strict=True):
+            some = begin(company, np.flatnonzero(kept[:, number]), one.coordinates(stops[0]), one.remainder(stops[0]))
+            some.exclude(0, one.remainder(stops[0]), limit)
             suspects.append(some)
-        found.append(descend(suspects, question, limit, pixels, unit, top))
+        found.append(descend(suspects, one, limit, pixels, unit, top))
     return found
 
 

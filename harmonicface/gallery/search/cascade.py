@@ -13,7 +13,7 @@ from harmonicface.gallery.search import bound
 from harmonicface.gallery.search.crowd import EVERYBODY, Array, Company, Indices
 from harmonicface.gallery.search.limit import Limit
 from harmonicface.gallery.search.pixels import Pixels
-from harmonicface.gallery.search.shared_basis import Question, SharedBasis
+from harmonicface.gallery.search.shared_basis import OneOf, Question, SharedBasis
 
 PROBED = 2  # people who are measured at each stage beside those asked for, to lower the limit early
 FORESEEN = 64  # people whom the second stage sees before the first one excludes anybody
@@ -125,7 +125,7 @@ def new_limit(
 
 def descend(
     suspects: Sequence[Suspects],
-    question: Question,
+    question: Question | OneOf,
     limit: Limit,
     pixels: Pixels,
     unit: NDArray[np.float64],
@@ -165,7 +165,7 @@ def begin(company: Company, chosen: Indices, coordinates: Array, remainder: NDAr
 
 
 def foresee(
-    companies: Sequence[Company], explained: Sequence[Array], question: Question, limit: Limit, top: int
+    companies: Sequence[Company], explained: Sequence[Array], question: Question | OneOf, limit: Limit, top: int
 ) -> None:
     """Lower the limit by those who look likeliest at the first stage, and of these at the second."""
     stops = companies[0].stops
@@ -195,12 +195,10 @@ def _probe(suspects: Sequence[Suspects], limit: Limit, count: int) -> None:
             limit.measure(int(person))
 
 
-def reaches(bounds: Array, doubts: Array, closeness: float) -> NDArray[np.bool_]:
+def reaches(bounds: Array, doubts: Array, closeness: float | NDArray[np.float64]) -> NDArray[np.bool_]:
     r"""Return where (\sqrt{bound} + doubt)^2, with float32's rounding, is at least the closeness."""
-    least = np.sqrt(max(0.0, closeness)) * (1 - 4 * float(bound.SINGLE))
-    if closeness <= 0:
-        return np.ones(bounds.shape, np.bool_)
-    return np.asarray(np.sqrt(bounds) + doubts >= np.float32(least * (1 - 2 * float(bound.SINGLE))))
+    least = np.sqrt(np.maximum(closeness, 0.0)) * (1 - 8 * float(bound.SINGLE))
+    return np.asarray(np.sqrt(bounds) + doubts >= np.asarray(least, np.float32))
 
 
 def _examine(suspects: Sequence[Suspects], stage: int, pixels: Pixels, unit: NDArray[np.float64], limit: Limit) -> None:

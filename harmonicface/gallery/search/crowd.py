@@ -55,11 +55,12 @@ class Company:
         return np.asarray(flat.reshape(len(numbers), self.rank, *coordinates.shape[1:]))
 
     def next_products(self, stage: int, chosen: Indices, products: Array, coordinates: Array) -> Array:
-        """Return b of a later stage, (n, r), for chosen people from (n, r) of the stage before and (m,) coordinates."""
+        """Return b of a later stage for chosen people from that of the stage before; shapes as of the first."""
         start, stop = self.stops[stage - 1 : stage + 1]
         added = self.numbers[stage][chosen].reshape(-1, stop - start) @ coordinates[start:stop]
-        turned = np.einsum("nkl,nl->nk", self.turns[stage - 1][chosen], products)
-        return np.asarray(turned + added.reshape(len(chosen), self.rank))
+        turns = self.turns[stage - 1][chosen]
+        turned = turns @ products if products.ndim == 3 else np.einsum("nkl,nl->nk", turns, products)
+        return np.asarray(turned + added.reshape(products.shape))
 
 
 def crowd(sketches: Sequence[Sketch], columns: Sequence[int]) -> tuple[Company, ...]:

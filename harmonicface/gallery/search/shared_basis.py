@@ -136,7 +136,28 @@ class Question:
 
     def remainder(self, stop: int) -> NDArray[np.float32]:
         """Return an upper bound of the length that the first `stop` rows leave over; ask in rising order."""
-        self.coordinates(stop)
+        if stop not in self._explained:
+            self.coordinates(stop)
         left = np.sqrt(np.maximum(1 - self._explained[stop], 0) + self._basis.doubt)
         # cast up: the float next to one that is rounded to nearest is never below
         return np.asarray(np.nextafter(np.asarray(left, np.float32), np.float32(np.inf)))
+
+    def one(self, number: int) -> OneOf:
+        """Return one of several photographs."""
+        return OneOf(self, number)
+
+
+@dataclass(frozen=True, eq=False)
+class OneOf:
+    """One of several photographs that are looked at together; made by `Question.one`."""
+
+    question: Question
+    number: int
+
+    def coordinates(self, stop: int) -> NDArray[np.float32]:
+        """Return its first `stop` coordinates, (stop,)."""
+        return np.ascontiguousarray(self.question.coordinates(stop)[:, self.number])
+
+    def remainder(self, stop: int) -> NDArray[np.float32]:
+        """Return an upper bound of the length that the first `stop` rows leave over; ask in rising order."""
+        return np.asarray(self.question.remainder(stop)[self.number])

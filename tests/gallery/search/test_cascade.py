@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from harmonicface.gallery.search import batches
 from harmonicface.gallery.search.batches import search_many
 from harmonicface.gallery.search.cascade import search
 from harmonicface.gallery.search.shared_basis import SharedBasis
@@ -77,8 +79,11 @@ def test_the_answer_is_the_scans(make: Make, draw: Make, everybody: Make, situat
     asked = situation["top"], situation["distance"]
     expected = [everybody(rows, unit, *asked) for unit in units]
     alone = [search(known.companies, known.pixels, basis, unit, *asked) for unit in units]
-    together = search_many(known.companies, known.pixels, basis, units, *asked)
-    for answers in (alone, together):
+    together = []
+    for share in (-1.0, 2.0):  # all with all, and each photograph by itself
+        with patch.object(batches, "DENSE", share):
+            together.append(search_many(known.companies, known.pixels, basis, units, *asked))
+    for answers in (alone, *together):
         assert [list(zip(one.distances, one.people, strict=True)) for one in answers] == expected
 
 
