@@ -96,12 +96,13 @@ def people(count: int, ict: str | None, folder: Path, found: list[Record]) -> tu
     ]
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(make_chunk, [job for job in jobs if not Path(job[2]).exists()]))
-    chunks = [dict(np.load(place)) for _, _, place in jobs]
+    chunks = [np.load(place) for _, _, place in jobs]
     photos = np.concatenate([chunk["photos"] for chunk in chunks])
     starts = np.cumsum([0, *np.concatenate([chunk["ranks"] for chunk in chunks])])
     energies = np.concatenate([chunk["energies"] for chunk in chunks])
     array = np.empty((starts[-1], photos.shape[2]), np.float32)
-    np.concatenate([chunk.pop("rows") for chunk in chunks], out=array)
+    for number, chunk in enumerate(chunks):
+        array[starts[number * CHUNK] : starts[(number + 1) * CHUNK]] = chunk["rows"]
     sample, size = starts[min(SAMPLE, count)], f"{count} people {SIZE}x{SIZE}"
     start = time.perf_counter()
     basis = SharedBasis.of(array[:sample], energies[:sample], COLUMNS[-1])

@@ -71,5 +71,7 @@ def _explained(company: Company, coordinates: Array, remainders: Array) -> tuple
     for start in range(0, count, step):
         block = np.s_[start : start + step]
         products = company.first_products(coordinates, block)
-        explained[block], bounds[block] = bound.plain(products, company.squares[0][block, :, None], remainders)
+        explained[block], bounds[block] = bound.plain(
+            products, company.squares[0][block, :, None], company.largest[0][block, None], remainders
+        )
     return explained, bounds

@@ -47,7 +47,7 @@ def inflation(rank: int) -> np.float32:
     return np.float32(1 + 2 * (rank + OPERATIONS) * SINGLE)
 
 
-def plain(products: Array, squares: Array, remainders: Array) -> tuple[Array, Array]:
+def plain(products: Array, squares: Array, largest: Array, remainders: Array) -> tuple[Array, Array]:
     r"""Return |b|^2 and |b|^2 + 2 rho |S b| + rho^2 max s^2, of each person.
 
     Parameters
@@ -56,35 +56,42 @@ def plain(products: Array, squares: Array, remainders: Array) -> tuple[Array, Ar
         (n, r, ...) b.
     squares
         (n, r) or (n, r, 1) s^2, broadcast against the products.
+    largest
+        (n,) or (n, 1) the largest s^2 of each person.
     remainders
         (n,) or (...) rho, rounded up.
     """
     energies = np.square(products)
-    explained = energies.sum(axis=1)
-    mixed = np.multiply(energies, squares, out=energies).sum(axis=1)
-    bound = explained + 2 * remainders * np.sqrt(mixed) + np.square(remainders) * squares.max(axis=1) + TINY
+    explained = _summed(energies)
+    mixed = _summed(np.multiply(energies, squares, out=energies))
+    bound = explained + 2 * remainders * np.sqrt(mixed) + np.square(remainders) * largest + TINY
     return explained, bound * inflation(products.shape[1])
+
+
+def _summed(array: Array) -> Array:
+    """Return the sum over the second axis; numpy is slow where that is the last and short."""
+    return np.asarray(array @ np.ones(array.shape[1], np.float32) if array.ndim == 2 else array.sum(axis=1))
 
 
 def sharp(products: Array, squares: Array, remainders: Array, steps: int = 2) -> Array:
     """Return the least V(lambda) that a few steps find, of each person: (n,) from (n, r) b, (n, r) s^2 and (n,) rho."""
     energies = np.square(products)
     crossed = energies * squares
-    explained, largest = energies.sum(axis=1), squares.max(axis=1)
+    explained, largest = _summed(energies), squares.max(axis=1)
     radius = np.maximum(remainders, np.float32(1e-12))
     squared = np.square(radius)
-    beyond = np.maximum(np.sqrt(crossed.sum(axis=1)) / radius, LEAST_GAP)
+    beyond = np.maximum(np.sqrt(_summed(crossed)) / radius, LEAST_GAP)
     best = np.full(len(products), np.float32(np.inf))
     for step in range(steps + 1):
         multiplier = largest + beyond
         gaps = multiplier[:, None] - squares
         quotients = crossed / gaps
-        best = np.minimum(best, explained + multiplier * squared + quotients.sum(axis=1))
+        best = np.minimum(best, explained + multiplier * squared + _summed(quotients))
         if step < steps:
             quotients /= gaps
-            slope = squared - quotients.sum(axis=1)
+            slope = squared - _summed(quotients)
             quotients /= gaps
-            curvature = 2 * quotients.sum(axis=1)
+            curvature = 2 * _summed(quotients)
             beyond = np.maximum(beyond - slope / np.maximum(curvature, TINY), np.maximum(beyond / 2, LEAST_GAP))
     return (best + TINY) * inflation(products.shape[1])
 

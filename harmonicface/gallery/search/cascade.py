@@ -57,7 +57,9 @@ class Suspects:
         """Compute the bounds of a later stage."""
         self.products = self.company.next_products(stage, self.chosen, self.products, coordinates)
         squares = self.company.squares[stage][self.chosen]
-        self.explained, self.bounds = bound.plain(self.products, squares, remainder)
+        self.explained, self.bounds = bound.plain(
+            self.products, squares, self.company.largest[stage][self.chosen], remainder
+        )
 
     def exclude(self, stage: int, remainder: NDArray[np.float32], limit: Limit) -> None:
         """Keep those whose bound reaches the limit: first by the plain bound, then by the sharp one."""
@@ -160,8 +162,10 @@ def begin(company: Company, chosen: Indices, coordinates: Array, remainder: NDAr
     """Return people of a company with the bounds of the first stage."""
     everybody = len(chosen) == len(company.people)
     products = company.first_products(coordinates, EVERYBODY if everybody else chosen)
-    squares = company.squares[0] if everybody else company.squares[0][chosen]
-    return Suspects(company, chosen, products, *bound.plain(products, squares, remainder))
+    squares, largest = company.squares[0], company.largest[0]
+    if not everybody:
+        squares, largest = squares[chosen], largest[chosen]
+    return Suspects(company, chosen, products, *bound.plain(products, squares, largest, remainder))
 
 
 def foresee(

@@ -30,6 +30,8 @@ class Company:
         For each stage but the first (n, r, r) float32.
     squares
         For each stage (n, r) float32.
+    largest
+        For each stage (n,) float32: the largest of the squares.
     doubts
         For each stage (n,) float32.
     stops
@@ -40,6 +42,7 @@ class Company:
     numbers: tuple[Array, ...]
     turns: tuple[Array, ...]
     squares: tuple[Array, ...]
+    largest: tuple[Array, ...]
     doubts: tuple[Array, ...]
     stops: tuple[int, ...]
 
@@ -96,6 +99,7 @@ def _company(people: Indices, sketches: Sequence[Sketch], stops: tuple[int, ...]
         tuple(np.stack([one.numbers[:, a:b] for one in chosen]).astype(np.float32) for a, b in spans),
         tuple(np.stack([one.turns[stage] for one in chosen]) for stage in range(len(stops) - 1)),
         tuple(np.stack([one.squares[stage] for one in chosen]) for stage in range(len(stops))),
+        tuple(np.stack([one.squares[stage].max() for one in chosen]) for stage in range(len(stops))),
         tuple(np.stack([one.doubts[stage] for one in chosen]) for stage in range(len(stops))),
         stops,
     )

@@ -75,7 +75,8 @@ def _blocks(
             remainders = question.remainder(stop)
             if stage:
                 products = company.next_products(stage, chosen, products, question.coordinates(stop))
-            bounds = bound.plain(products, company.squares[stage][chosen, :, None], remainders)[1]
+            squares, largest = company.squares[stage][chosen, :, None], company.largest[stage][chosen, None]
+            bounds = bound.plain(products, squares, largest, remainders)[1]
             if stage:
                 kept &= reaches(bounds, company.doubts[stage][chosen, None], closeness)
                 some = kept.any(axis=1)

@@ -41,7 +41,7 @@ def test_no_vector_in_the_ball_is_above(seed: int, rank: int, rho: float) -> Non
     b = (rng.normal(size=(1, rank)) * rng.choice([0, 0.01, 0.5], size=rank)).astype(np.float32)
     squares = (rng.uniform(size=(1, rank)) * rng.choice([0, 1e-4, 1], size=rank)).astype(np.float32)
     remainder = np.array([rho], np.float32)
-    explained, plain = bound.plain(b, squares, remainder)
+    explained, plain = bound.plain(b, squares, squares.max(axis=1), remainder)
     sharp = bound.sharp(b, squares, remainder, steps=3)
     t = rng.normal(size=(500, rank))
     t *= remainder / np.linalg.norm(t, axis=1, keepdims=True)
@@ -67,9 +67,9 @@ def test_several_photographs_at_once() -> None:
     b = rng.normal(size=(6, 4, 3)).astype(np.float32)
     squares = rng.uniform(size=(6, 4)).astype(np.float32)
     remainders = rng.uniform(size=3).astype(np.float32)
-    explained, bounds = bound.plain(b, squares[:, :, None], remainders)
+    explained, bounds = bound.plain(b, squares[:, :, None], squares.max(axis=1)[:, None], remainders)
     for number in range(3):
-        alone = bound.plain(b[:, :, number], squares, remainders[number])
+        alone = bound.plain(b[:, :, number], squares, squares.max(axis=1), remainders[number])
         np.testing.assert_allclose(explained[:, number], alone[0], rtol=1e-6)
         np.testing.assert_allclose(bounds[:, number], alone[1], rtol=1e-6)
 
