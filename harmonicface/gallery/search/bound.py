@@ -65,7 +65,7 @@ def plain(products: Array, squares: Array, largest: Array, remainders: Array) ->
     explained = _summed(energies)
     mixed = _summed(np.multiply(energies, squares, out=energies))
     bound = explained + 2 * remainders * np.sqrt(mixed) + np.square(remainders) * largest + TINY
-    return explained, bound * inflation(products.shape[1])
+    return explained, np.asarray(bound * inflation(products.shape[1]), np.float32)
 
 
 def _summed(array: Array) -> Array:
