@@ -1,0 +1,1 @@
+"""Exact search among many people without reading all of their pixels."""
