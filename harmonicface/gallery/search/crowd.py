@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.search.gathered import Gathered
 from harmonicface.gallery.search.sketch import Sketch
 
 Array = NDArray[np.float32]
@@ -18,16 +19,16 @@ EVERYBODY = slice(None)
 
 @dataclass(frozen=True, eq=False)
 class Company:
-    """People of the same number of rows; made by `crowd`.
+    """People of the same number of rows; made by `crowd`, or by `packing.companies_of` from the arrays of files.
 
     Parameters
     ----------
     people
         (n,) their places in the order of enrolment.
     numbers
-        For each stage (n, r, columns) float32: the columns that it adds.
+        For each stage (n, r, columns) float32: the columns that it adds; of the later stages they may stay in files.
     turns
-        For each stage but the first (n, r, r) float32.
+        For each stage but the first (n, r, r) float32, or (n, r^2) in files.
     squares
         For each stage (n, r) float32.
     largest
@@ -39,8 +40,8 @@ class Company:
     """
 
     people: Indices
-    numbers: tuple[Array, ...]
-    turns: tuple[Array, ...]
+    numbers: tuple[Array | Gathered, ...]
+    turns: tuple[Array | Gathered, ...]
     squares: tuple[Array, ...]
     largest: tuple[Array, ...]
     doubts: tuple[Array, ...]
@@ -61,7 +62,7 @@ class Company:
         """Return b of a later stage for chosen people from that of the stage before; shapes as of the first."""
         start, stop = self.stops[stage - 1 : stage + 1]
         added = self.numbers[stage][chosen].reshape(-1, stop - start) @ coordinates[start:stop]
-        turns = self.turns[stage - 1][chosen]
+        turns = self.turns[stage - 1][chosen].reshape(-1, self.rank, self.rank)
         turned = turns @ products if products.ndim == 3 else np.einsum("nkl,nl->nk", turns, products)
         return np.asarray(turned + added.reshape(products.shape))
 

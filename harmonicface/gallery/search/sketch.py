@@ -38,6 +38,8 @@ class Sketch:
         (stages,) float32: what the rounding of numbers, turns and float32 products can add to |Q y|, rounded up.
     defect
         How far the stored rows are from orthonormal, |Q Q^T - I|, rounded up.
+    stops
+        How many rows of the shared basis each stage has seen.
     """
 
     numbers: NDArray[np.floating]
@@ -45,6 +47,7 @@ class Sketch:
     squares: NDArray[np.float32]
     doubts: NDArray[np.float32]
     defect: float
+    stops: tuple[int, ...]
 
 
 def sketch(rows: ArrayLike, basis: SharedBasis, columns: Sequence[int] = COLUMNS, dtype: str = "float32") -> Sketch:
@@ -86,7 +89,9 @@ def sketch(rows: ArrayLike, basis: SharedBasis, columns: Sequence[int] = COLUMNS
         raise HarmonicFaceError(f"rows: expected orthonormal rows, got some that are not, by {defect:.2g}")
     values, vectors = np.linalg.eigh(gram)
     inside = (vectors / np.sqrt(values)) @ vectors.T @ (stored @ basis.rows[: stops[-1]].T)
-    return Sketch(*_stages(inside, stops, dtype, 8 * rank * (pixels + rank) * UNIT_ROUNDING + basis.defect), defect)
+    return Sketch(
+        *_stages(inside, stops, dtype, 8 * rank * (pixels + rank) * UNIT_ROUNDING + basis.defect), defect, stops
+    )
 
 
 def stage_columns(columns: Sequence[int], available: int) -> tuple[int, ...]:
