@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
-import stat
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -21,6 +19,7 @@ import numpy as np
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
 from harmonicface.store.entry import Kind, checked_key
+from harmonicface.store.plain_file import plain_file
 from harmonicface.store.shard import Record
 from harmonicface.store.tensors import NAMES, TYPES
 
@@ -155,12 +154,11 @@ def read_manifest(folder: Path) -> Manifest:
 def _checked_line(path: Path) -> bytes:
     """Return the first line, which the checksum in the second agrees with."""
     try:
-        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
-        with open(handle, "rb") as stream:  # noqa: PTH123 - opened without following links
-            found = os.fstat(handle)
-            if not stat.S_ISREG(found.st_mode) or found.st_size > LONGEST:
-                raise HarmonicFaceError(f"{path}: expected a file of at most {LONGEST} bytes, got something else")
-            content = stream.read(LONGEST + 1)
+        with plain_file(path) as (handle, length):
+            if length > LONGEST:
+                raise HarmonicFaceError(f"{path}: expected a file of at most {LONGEST} bytes, got {length}")
+            with open(handle, "rb", closefd=False) as stream:  # noqa: PTH123 - a handle, not a path
+                content = stream.read(LONGEST + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, HarmonicFaceError):
             raise

@@ -6,11 +6,9 @@ damaged has a copy at the other end of the file, so that whoever is in a damaged
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import mmap
 import os
-import stat
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,6 +22,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
 from harmonicface.store.directory import MULTIPLE, Directory, joined, read
 from harmonicface.store.entry import Kind, digest, is_finite
+from harmonicface.store.plain_file import NotOpenedError, mapped
 from harmonicface.store.tensors import TYPES, Bytes, Tensor, checksum, header, header_length, views
 
 FIRST, SECOND = "directory", "directory again"
@@ -56,10 +55,6 @@ class Record:
     directory_start: int
     directory_bytes: int
     directory: str
-
-
-class NotOpenedError(HarmonicFaceError):
-    """The system does not open a file that may be whole: too many are open, or no right to read it."""
 
 
 class Source(Protocol):
@@ -100,7 +95,7 @@ class Shard:
         self._map: mmap.mmap | None = None
         self._arrays: dict[str, NDArray[Any]] = {}
         try:
-            self._map, self._content = mapped(path, record.nbytes)
+            self._map, self._content = mapped(path)
             self._arrays = self._opened(self._content)
         except NotOpenedError:
             raise
@@ -144,8 +139,8 @@ class Shard:
         """Return the bytes of both copies of the directory, as far as the file is there."""
         if self._content is None:
             return ()
-        start, length = self.record.directory_start, self.record.directory_bytes
-        return self._content[start : start + length], self._content[len(self._content) - length :]
+        length, nbytes = self.record.directory_bytes, self.record.nbytes
+        return tuple(self._content[at : at + length] for at in (self.record.directory_start, nbytes - length))
 
     def entry(self, index: int) -> dict[str, NDArray[Any]]:
         """Return the arrays of one entry, views of the map."""
@@ -162,6 +157,8 @@ class Shard:
 
     def _opened(self, content: Bytes) -> dict[str, NDArray[Any]]:
         """Return the entries' arrays after the header has been compared with the record and with the kinds."""
+        if len(content) != self.record.nbytes:
+            raise HarmonicFaceError(f"{self.path}: expected {self.record.nbytes} bytes, got {len(content)}")
         length = header_length(content, str(self.path))
         if checksum(content[:length]) != self.record.header:
             raise HarmonicFaceError(f"{self.path}: expected the header it was written with, got one that was changed")
@@ -212,33 +209,6 @@ def write_shard(path: Path, kinds: Mapping[str, Kind], sources: Sequence[Source]
         len(content),
         hashlib.sha256(content).hexdigest(),
     )
-
-
-def mapped(path: Path, nbytes: int) -> tuple[mmap.mmap, Bytes]:
-    """Map a file of a known length; no link is followed, nothing but a plain file is opened.
-
-    Raises
-    ------
-    HarmonicFaceError
-        It is missing, no plain file, or of another length.
-    NotOpenedError
-        The system refuses for another reason, which says nothing about the file.
-    """
-    try:
-        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
-        try:
-            found = os.fstat(handle)
-            if not stat.S_ISREG(found.st_mode):
-                raise HarmonicFaceError(f"{path}: expected a plain file, got something else")
-            if found.st_size != nbytes:
-                raise HarmonicFaceError(f"{path}: expected {nbytes} bytes, got {found.st_size}")
-            content = mmap.mmap(handle, 0, access=mmap.ACCESS_READ)
-        finally:
-            os.close(handle)
-    except OSError as error:
-        refused = HarmonicFaceError if error.errno in (errno.ENOENT, errno.ELOOP) else NotOpenedError
-        raise refused(f"{path}: expected a file that can be mapped, got: {error.strerror}") from None
-    return content, np.frombuffer(content, np.uint8)
 
 
 def damaged_entries(shard: Shard, indices: NDArray[np.int64]) -> list[int]:

@@ -13,7 +13,8 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.entry import Entry, Kind, checked_key
 from harmonicface.store.manifest import Common, Manifest, read_manifest
 from harmonicface.store.part import Damage, Part
-from harmonicface.store.shard import NotOpenedError, Record, Shard, mapped
+from harmonicface.store.plain_file import NotOpenedError, mapped
+from harmonicface.store.shard import Record, Shard
 from harmonicface.store.tensors import checksum, header_length, views
 
 Cache = dict[Record, Shard]
@@ -147,7 +148,9 @@ class CommonArrays:
         self.fault: str | None = None
         self._arrays: dict[str, NDArray[Any]] = {}
         try:
-            self._map, self._content = mapped(path, said.nbytes)
+            _, self._content = mapped(path)
+            if len(self._content) != said.nbytes:
+                raise HarmonicFaceError(f"{path}: expected {said.nbytes} bytes, got {len(self._content)}")
             length = header_length(self._content, str(path))
             if checksum(self._content[:length]) != said.header:
                 raise HarmonicFaceError(f"{path}: expected the header it was written with, got one that was changed")

@@ -15,7 +15,8 @@ from safetensors import safe_open
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.batch import Batch
 from harmonicface.store.entry import Kind
-from harmonicface.store.shard import NotOpenedError, Record, Shard, damaged_entries, write_shard
+from harmonicface.store.plain_file import NotOpenedError
+from harmonicface.store.shard import Record, Shard, damaged_entries, write_shard
 from harmonicface.store.tensors import checksum
 
 

@@ -60,6 +60,15 @@ def test_the_entry_is_named_by_its_key_of_now(filled, path, make) -> None:
     assert [damage.keys for damage in filled.verify()] == [("five",)]
 
 
+def test_common_arrays_that_were_cut_short(filled, path) -> None:
+    file = filled.path / filled.version().manifest.common.file
+    content = file.read_bytes()
+    for length in (0, len(content) - 1):
+        file.write_bytes(content[:length])
+        (damage,) = filled.verify()
+        assert damage.reason == f"{file}: expected {len(content)} bytes, got {length}"
+
+
 def test_a_removed_entry_is_read_too_but_nobody_is_lost(filled, path, make) -> None:
     content = bytearray(path.read_bytes())
     content[bytes(content).index(make(4).arrays["sizes"].tobytes())] ^= 1
@@ -70,10 +79,22 @@ def test_a_removed_entry_is_read_too_but_nobody_is_lost(filled, path, make) -> N
     assert len(filled.version()) == 20
 
 
-def test_a_shard_that_cannot_be_opened(filled, path) -> None:
-    path.write_bytes(path.read_bytes()[:-1])
+def test_a_shard_that_was_cut_short_or_is_longer_still_says_who_was_in_it(filled, path) -> None:
+    content = path.read_bytes()
+    expected = tuple("five" if n == 5 else f"entry {n}" for n in range(10) if n != 4)
+    record = filled.version().parts[0].listed.record
+    for changed in (content[:-1], content[: record.directory_start + record.directory_bytes], content + b"x"):
+        path.write_bytes(changed)
+        (damage,) = filled.verify()
+        assert damage.reason == f"{path}: expected {len(content)} bytes, got {len(changed)}"
+        assert (damage.keys, damage.entries) == (expected, 10)
+
+
+@pytest.mark.parametrize("length", [0, 1, 100])
+def test_a_shard_that_cannot_be_opened(filled, path, length) -> None:
+    path.write_bytes(path.read_bytes()[:length])
     (damage,) = filled.verify()
-    assert "expected" in damage.reason
+    assert f"got {length}" in damage.reason
     assert (damage.keys, damage.entries) == ((), 10)
 
 
