@@ -157,7 +157,7 @@ def _checked_line(path: Path) -> bytes:
         with plain_file(path) as (handle, length):
             if length > LONGEST:
                 raise HarmonicFaceError(f"{path}: expected a file of at most {LONGEST} bytes, got {length}")
-            with open(handle, "rb", closefd=False) as stream:  # noqa: PTH123 - a handle, not a path
+            with open(handle, "rb", closefd=False) as stream:
                 content = stream.read(LONGEST + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, HarmonicFaceError):
