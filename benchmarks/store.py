@@ -1,12 +1,11 @@
 """What does keeping people on disk cost? A folder of arrays beside one plain file of the same bytes.
 
-Run it as `python benchmarks/store.py [--quick] [--folder DIR] [--json FILE]`; it needs 1.8 GB there, with --quick a
-tenth. Nothing is enrolled: the entries are what nine modes of 64 x 64 pixels take.
+Run it as `python benchmarks/store.py [--quick] [--json FILE]`; it needs 1.8 GB where temporary files go (TMPDIR), with
+--quick a tenth. Nothing is enrolled: the entries are what nine modes of 64 x 64 pixels take.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import resource
 import tempfile
@@ -16,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
 from harmonicface.store.entry import Entry, Kind
 from harmonicface.store.folder import ArrayFolder
 
@@ -41,9 +41,15 @@ def resident() -> int:
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def records(people: int, place: Path) -> list[Record]:
+def records(quick: bool) -> Iterator[Record]:
+    """Time what a folder does in a place that is removed afterwards."""
+    with tempfile.TemporaryDirectory() as place:
+        yield from of_folder(1_000 if quick else 10_000, Path(place))
+
+
+def of_folder(people: int, place: Path) -> Iterator[Record]:
     """Time what a folder does, one after the other."""
-    size, found = f"{people} people of {sum(a.nbytes for a in BASE.values())} bytes", []
+    size = f"{people} people of {sum(a.nbytes for a in BASE.values())} bytes"
     folder = ArrayFolder.create(place / "folder", KINDS)
     plain = _plain(people, place / "plain")
     before = resident()
@@ -51,7 +57,7 @@ def records(people: int, place: Path) -> list[Record]:
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
     peer = "one file of the same bytes, fsync at the end"
     note = "bytes: how far memory rose"
-    found.append(Record("append many", size, seconds, bytes=peak, peer=peer, peer_seconds=plain, note=note))
+    yield Record("append many", size, seconds, bytes=peak, peer=peer, peer_seconds=plain, note=note)
     nbytes = folder.version().nbytes
     reading = _seconds(lambda: [np.sum(part.shard.arrays["rows"]) for part in folder.version().parts])
     folder = ArrayFolder(folder.path)  # forgets what it has mapped
@@ -60,25 +66,24 @@ def records(people: int, place: Path) -> list[Record]:
     version = ArrayFolder(folder.path).version()
     seconds, grown = time.perf_counter() - start, resident() - before
     peer = f"summing the rows of {nbytes / 1e9:.2f} GB once"
-    found.append(Record("open", size, seconds, bytes=grown, peer=peer, peer_seconds=reading, note=note))
+    yield Record("open", size, seconds, bytes=grown, peer=peer, peer_seconds=reading, note=note)
     seconds = _seconds(lambda: version.entry(f"person {people // 2}"))
-    found.append(Record("find one", size, seconds, note="the first time: the directories are read"))
+    yield Record("find one", size, seconds, note="the first time: the directories are read")
     seconds = _seconds(folder.verify)
-    found.append(Record("verify", size, seconds, error=len(folder.verify()), note="error: damaged shards"))
+    yield Record("verify", size, seconds, error=len(folder.verify()), note="error: damaged shards")
     written = _written()
     seconds = _seconds(lambda: [folder.append(one) for one in _ones(people)]) / SINGLE
     times = (_written() - written) / (folder.version().nbytes - nbytes)
     note = f"{len(folder.version().parts)} shards after {SINGLE}; each byte was written {times:.1f} times"
     peer = "one plain file of one entry, fsync"
     alone = _seconds(lambda: [_plain(1, place / "plain") for _ in range(20)]) / 20
-    found.append(Record("append one", size, seconds, peer=peer, peer_seconds=alone, note=note))
-    found.append(Record("rename one", size, _seconds(lambda: folder.rename("person 3", "somebody"))))
-    found.append(Record("remove one", size, _seconds(lambda: folder.remove("person 4"))))
+    yield Record("append one", size, seconds, peer=peer, peer_seconds=alone, note=note)
+    yield Record("rename one", size, _seconds(lambda: folder.rename("person 3", "somebody")))
+    yield Record("remove one", size, _seconds(lambda: folder.remove("person 4")))
     before = resident()
     seconds = _seconds(folder.compact)
     note = "after that; bytes: how far memory rose"
-    found.append(Record("compact", size, seconds, bytes=resident() - before, note=note))
-    return found
+    yield Record("compact", size, seconds, bytes=resident() - before, note=note)
 
 
 def _plain(people: int, path: Path) -> float:
@@ -113,19 +118,5 @@ def _seconds(call: object) -> float:
     return time.perf_counter() - start
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="1,000 entries instead of 10,000")
-    parser.add_argument("--folder", help="where to write, on the disk that is to be measured")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    with tempfile.TemporaryDirectory(dir=options.folder) as place:
-        found = records(1_000 if options.quick else 10_000, Path(place))
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "1,000 entries instead of 10,000")
