@@ -15,6 +15,7 @@ import numpy as np
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.tensors import Bytes
 
+PIECE = 1 << 22  # bytes read at once
 FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
@@ -60,3 +61,23 @@ def mapped(path: Path) -> tuple[mmap.mmap | None, Bytes]:
         refused = HarmonicFaceError if error.errno in (errno.ENOENT, errno.ELOOP) else NotOpenedError
         raise refused(f"{path}: expected a file that can be mapped, got: {error.strerror}") from None
     return content, np.empty(0, np.uint8) if content is None else np.frombuffer(content, np.uint8)
+
+
+def read_through(path: Path) -> None:
+    """Read a file once: what the disk does not give is an error here, but ends a process that finds it in a map.
+
+    A file that another writer has removed meanwhile lives on where it is mapped, and is not read.
+
+    Raises
+    ------
+    HarmonicFaceError
+        The disk does not give all of it.
+    """
+    try:
+        with plain_file(path) as (handle, _):
+            while os.read(handle, PIECE):
+                pass
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise HarmonicFaceError(f"{path}: expected a file that can be read, got: {error.strerror}") from None

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.part import Damage, Part
+from harmonicface.store.plain_file import read_through
 from harmonicface.store.shard import damaged_entries
 from harmonicface.store.tensors import checksum
 from harmonicface.store.version import Version
 
+Tell = Callable[[str, int, int], None]
 
-def damages(version: Version) -> tuple[Damage, ...]:
+
+def damages(version: Version, tell: Tell = lambda *_: None) -> tuple[Damage, ...]:
     """Read everything and say what is damaged; memory: a shard's directory and 16 MB.
 
     Parameters
     ----------
     version
         Opened with `leave_out_damaged`, so that shards that cannot be opened are told too.
+    tell
+        Is called with what has been read, how many of them, and of how many.
     """
-    found = [version.common_damage(), *(damage_in(part) for part in version.all_parts), *_twice(version)]
-    return tuple(one for one in found if one is not None)
+    found = [version.common_damage()]
+    for number, part in enumerate(version.all_parts):
+        found.append(damage_in(part))
+        tell("shards read", number + 1, len(version.all_parts))
+    return tuple(one for one in (*found, *_twice(version)) if one is not None)
 
 
 def damage_in(part: Part) -> Damage | None:
@@ -29,6 +39,7 @@ def damage_in(part: Part) -> Damage | None:
     if shard.fault is not None:
         return part.damage(shard.fault)
     try:
+        read_through(shard.path)
         bad = damaged_entries(shard, np.arange(record.entries, dtype=np.int64))
         keys = tuple(part.key(index) for index in bad if part.alive[index])
         for index in part.indices.tolist():

@@ -13,7 +13,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.entry import Entry, Kind, checked_key
 from harmonicface.store.manifest import Common, Manifest, read_manifest
 from harmonicface.store.part import Damage, Part
-from harmonicface.store.plain_file import NotOpenedError, mapped
+from harmonicface.store.plain_file import NotOpenedError, mapped, read_through
 from harmonicface.store.shard import Record, Shard
 from harmonicface.store.tensors import checksum, header_length, views
 
@@ -170,9 +170,14 @@ class CommonArrays:
 
     def damage(self) -> Damage | None:
         """Read all of it and say what is wrong."""
-        if self.fault is None and checksum(self._content) != self._said.digest:
-            return Damage(self._said.file, f"{self.path}: expected the checksum it was written with", (), 0)
-        return None if self.fault is None else Damage(self._said.file, self.fault, (), 0)
+        fault = self.fault
+        try:
+            read_through(self.path)
+        except HarmonicFaceError as error:
+            fault = str(error)
+        if fault is None and checksum(self._content) != self._said.digest:
+            fault = f"{self.path}: expected the checksum it was written with, got another"
+        return None if fault is None else Damage(self._said.file, fault, (), 0)
 
 
 def fault_of(part: Part, with_directory: bool) -> Damage | None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import hashlib
 import json
+import os
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from harmonicface.store import writing
 from harmonicface.store.batch import Batch
 from harmonicface.store.manifest import NAME
 from harmonicface.store.shard import write_shard
+from harmonicface.store.verification import damages
 
 
 @pytest.fixture
@@ -96,6 +99,33 @@ def test_a_shard_that_cannot_be_opened(filled, path, length) -> None:
     (damage,) = filled.verify()
     assert f"got {length}" in damage.reason
     assert (damage.keys, damage.entries) == ((), 10)
+
+
+def test_a_disk_that_does_not_give_a_file(filled, path, monkeypatch) -> None:
+    real, common = os.read, filled.path / filled.version().manifest.common.file
+    unreadable = {file.stat().st_ino: file for file in (path, common)}
+
+    def reading(handle: int, count: int) -> bytes:
+        if os.fstat(handle).st_ino in unreadable:
+            raise OSError(errno.EIO, "Input/output error")
+        return real(handle, count)
+
+    monkeypatch.setattr(os, "read", reading)
+    reasons = [damage.reason for damage in filled.verify()]
+    assert reasons == [f"{file}: expected a file that can be read, got: Input/output error" for file in (common, path)]
+
+
+def test_a_file_that_is_compacted_away_meanwhile_is_not_accused(filled) -> None:
+    filled.remove("entry 3")
+    version = filled.version()
+    filled.compact()
+    assert damages(version) == ()
+
+
+def test_it_tells_how_far_it_is(filled) -> None:
+    told = []
+    assert damages(filled.version(), lambda *what: told.append(what)) == ()
+    assert told == [("shards read", 1, 3), ("shards read", 2, 3), ("shards read", 3, 3)]
 
 
 def test_two_damaged_directories(filled, path) -> None:
