@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,30 +227,6 @@ def merged(answers: Sequence[Found], top: int | None) -> Found:
     survivors = tuple(sum(stage) for stage in zip(*counts, strict=True))
     people, distances = tuple(who for _, who in together), tuple(distance for distance, _ in together)
     return Found(people, distances, survivors, sum(one.measured for one in answers))
-
-
-def shared_out(parts: Sequence[Part], shelves: int) -> list[list[Section]]:
-    """Return the people of some shards as so many shelves of neighbours, as even as can be; shards may be cut.
-
-    Parameters
-    ----------
-    parts
-        Of one version of a gallery, all of them.
-    shelves
-        How many, at least 1; there are fewer if there are fewer people.
-    """
-    firsts = np.cumsum([0, *(len(part) for part in parts)])
-    count = max(1, min(shelves, int(firsts[-1])))
-    edges = np.linspace(0, firsts[-1], count + 1).round().astype(int)
-    result = []
-    for begin, behind in pairwise(edges):
-        sections = []
-        for part, first in zip(parts, firsts, strict=False):
-            some = np.asarray(part.indices, np.intp)[max(0, begin - first) : max(0, behind - first)]
-            if len(some):
-                sections.append(Section(part, some, int(max(begin, first))))
-        result.append(sections)
-    return result
 
 
 def _joined(arrays: Sequence[Indices]) -> Indices:

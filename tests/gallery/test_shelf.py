@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,76 +11,21 @@ from hypothesis import strategies as st
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.search.cascade import Found
-from harmonicface.gallery.search.packing import packed, sketch_kinds
+from harmonicface.gallery.search.packing import packed
 from harmonicface.gallery.search.shared_basis import SharedBasis
 from harmonicface.gallery.search.sketch import sketch
-from harmonicface.gallery.shelf import Shelf, merged, shared_out
-from harmonicface.recognition.subspace import Subspace
-from harmonicface.store.entry import Entry, Kind
+from harmonicface.gallery.share import shares_of
+from harmonicface.gallery.shelf import Shelf, merged
+from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.version import Version
-
-PIXELS, STOPS = 80, (8, 24)
-RNG = np.random.default_rng(0)
-COMMON = RNG.normal(size=(25, PIXELS))
-BASIS = SharedBasis(np.linalg.qr(RNG.normal(size=(PIXELS, STOPS[-1])))[0].T)
-
-
-def drawn(rank: int, dtype: str) -> np.ndarray:
-    """Return rows of a person who looks somewhat like everybody."""
-    return Subspace.of(COMMON[:rank] + 0.7 * RNG.normal(size=(rank, PIXELS))).rows.astype(dtype)
-
-
-def made(
-    path: Path, people: Sequence[np.ndarray], unsketched: Sequence[int] = (), dtype: str = "float32"
-) -> ArrayFolder:
-    """Write people into a folder of several shards."""
-    kinds = {"rows": Kind(np.dtype(dtype), (PIXELS,))}
-    kinds |= {name: Kind(*kind) for name, kind in sketch_kinds(STOPS).items()}
-    nothing = {name: np.empty((0, *kind.shape), kind.dtype) for name, kind in kinds.items()}
-    folder = ArrayFolder.create(path, kinds)
-    for start in range(0, len(people), 7):
-        folder.append(
-            Entry(
-                f"person {number}",
-                nothing
-                | ({} if number in unsketched else packed(sketch(people[number], BASIS, STOPS)))
-                | {"rows": people[number]},
-            )
-            for number in range(start, min(start + 7, len(people)))
-        )
-    return folder
-
-
-def scan(people: Sequence[np.ndarray], unit: np.ndarray, top: int | None, distance: float) -> list[tuple[float, int]]:
-    """Measure everybody."""
-    spans = [Subspace(rows.astype(np.float32), np.empty((len(rows), 0))) for rows in people]
-    found = sorted((span.distance(unit), place) for place, span in enumerate(spans))
-    return [one for one in found if one[0] <= distance][:top]
-
-
-def pairs(found: Found) -> list[tuple[float, int]]:
-    """Return distances and places."""
-    return list(zip(found.distances, found.people, strict=True))
+from tests.gallery.shelved_people import BASIS, PIXELS, STOPS, drawn, made, pairs, scan, units
 
 
 def shelf_of(version: Version, basis: SharedBasis | None = BASIS) -> Shelf:
     """Return one shelf of everybody."""
     firsts = np.cumsum([0, *(len(part) for part in version.parts)])[:-1]
     return Shelf.of_parts(version.parts, firsts.tolist(), basis, STOPS if basis else ())
-
-
-@pytest.fixture(autouse=True)
-def many_shards(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harmonicface.store.writing.taken_in", lambda sizes, new: 0)
-
-
-def units(people: Sequence[np.ndarray], count: int = 4) -> np.ndarray:
-    """Return photographs of some people, and of nobody."""
-    rng = np.random.default_rng(1)
-    photos = [rng.normal(size=len(people[i])) @ people[i] + 0.03 * rng.normal(size=PIXELS) for i in range(count - 1)]
-    photos.append(rng.normal(size=PIXELS))
-    return np.stack([photo / np.linalg.norm(photo) for photo in photos])
 
 
 @pytest.mark.parametrize("unsketched", [(), (0, 1, 9, 19), tuple(range(20))])
@@ -104,7 +48,7 @@ def test_answers_are_those_of_a_scan(
         assert [pairs(one) for one in answers] == expected
         assert [pairs(one) for one in shelf.search_many(asked, top, distance)] == expected
         for count in (2, 5, 100):
-            shelves = [Shelf(some, basis, STOPS if basis else ()) for some in shared_out(version.parts, count)]
+            shelves = [share.shelf() for share in shares_of(str(folder.path), count)]
             assert len(shelves) == min(count, len(left))
             assert sum(map(len, shelves)) == len(left)
             parts = [shelf.search_many(asked, top, distance) for shelf in shelves]
@@ -148,7 +92,6 @@ def test_nobody_is_found_on_an_empty_shelf(tmp_path: Path) -> None:
     assert shelf.search(unit) == Found((), (), (), 0)
     assert shelf.search_many(unit[None], 3) == [Found((), (), (), 0)]
     assert shelf.closeness(unit[None]).shape == (0, 1)
-    assert shared_out([], 3) == [[]]
 
 
 def test_no_question_has_no_answer(shelved: tuple[Shelf, list[np.ndarray]]) -> None:

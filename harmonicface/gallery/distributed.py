@@ -1,0 +1,239 @@
+"""A gallery on many machines: Dask gives each worker its share of the people, and sends every question to all of them.
+
+What a worker holds is the result of a task, its shelf. It stays where it is, because moving it is dearer than asking
+it; when a worker dies, Dask makes its shelves anew on others from the same few words (`Share`), and asks again whatever
+had not been answered. This is the only file that knows Dask.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from itertools import cycle, islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harmonicface._memory import physical_memory
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.search.cascade import FURTHEST, Found
+from harmonicface.gallery.share import Share, shares_of
+from harmonicface.gallery.shelf import Shelf, merged
+from harmonicface.store.manifest import Manifest
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+AT_ONCE = 8  # people whom one task enrols
+MAPPED = 4  # of a worker's memory, pages of files take at most one part in so many
+Units = NDArray[np.float64]
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+class SharedShelf:
+    """Everybody in a gallery, on the workers of a Dask cluster: the answers of one `Shelf` of everybody.
+
+    Parameters
+    ----------
+    path
+        The gallery's folder, on a file system that all workers see under this path; or a path of fsspec's, from which
+        each worker copies its own shards to the disk of its machine.
+    client
+        Of the cluster. Every thread of its workers gets one share of the people, as even as can be.
+    manifest
+        Which version of the gallery, if it is not the one that is there now; as of `shares_of`.
+
+    Raises
+    ------
+    HarmonicFaceError
+        No dask.distributed, no workers, no gallery, a worker that cannot read it.
+    """
+
+    def __init__(self, path: str, client: Client, manifest: Manifest | None = None) -> None:
+        self._client = client
+        self._shares = shares_of(path, sum(threads_of(client).values()), manifest)
+        self._held: list[Future] = []
+        self.spread()
+
+    def __len__(self) -> int:
+        return sum(share.people for share in self._shares)
+
+    def spread(self) -> None:
+        """Give the shares to the workers that are there now; when some have come or gone, this evens out their work.
+
+        Raises
+        ------
+        HarmonicFaceError
+            As the constructor.
+        """
+        workers = [worker for worker, threads in sorted(threads_of(self._client).items()) for _ in range(threads)]
+        # a worker that has gone meanwhile is no hindrance
+        self._held = [
+            self._client.submit(
+                Held, share, key=f"shelf-{uuid.uuid4().hex}", workers=[worker], allow_other_workers=True
+            )
+            for share, worker in zip(self._shares, cycle(workers), strict=False)
+        ]
+        self._on_all(_ready)
+
+    def search(self, unit: Units, top: int | None = 1, distance: float = FURTHEST) -> Found:
+        """Find the people nearest to a photograph; as `Shelf.search`.
+
+        Raises
+        ------
+        HarmonicFaceError
+            What a shelf refuses; shards that a new worker does not find because the gallery was changed since.
+        """
+        return self.search_many(unit[None], top, distance)[0]
+
+    def search_many(self, units: Units, top: int | None = 1, distance: float = FURTHEST) -> list[Found]:
+        """Find the people nearest to each of several photographs, by one message to each shelf; raises as `search`."""
+        answers = self._on_all(_searched, units=units, top=top, distance=distance)
+        return [merged(some, top) for some in zip(*answers, strict=True)]
+
+    def closeness(self, units: Units) -> NDArray[np.float32]:
+        """Return |Q y|^2 of everybody for unit photographs, (n, q) from (q, p); raises as `search`."""
+        return np.concatenate(self._on_all(_closeness, units=units))
+
+    def _on_all(self, function: Callable[..., Result], **question: Any) -> list[Result]:
+        """Ask every shelf where it is, and return the answers in their order."""
+        # tasks of a name of their own are no mass of equal ones, which Dask would spread over all workers
+        name = f"ask-{uuid.uuid4().hex}"
+        keys = [(name, number) for number in range(len(self._held))]
+        futures = self._client.map(function, self._held, key=keys, **question)
+        return list(self._client.gather(futures))
+
+
+class Held:
+    """A shelf in the memory of a worker; what is sent of it to another one is the share, by which it is made there.
+
+    Parameters
+    ----------
+    share
+        Whom it holds.
+    """
+
+    def __init__(self, share: Share) -> None:
+        self.share = share
+        self.shelf: Shelf = share.shelf()
+
+    def __reduce__(self) -> tuple[type[Held], tuple[Share]]:
+        return Held, (self.share,)
+
+    def __sizeof__(self) -> int:
+        return self.shelf.nbytes
+
+
+def in_order(
+    client: Client, function: Callable[[Item], Result], items: Iterable[Item], ahead: int | None = None
+) -> Iterator[Result]:
+    """Yield what a function makes of each item, in their order, made by the workers.
+
+    Memory does not grow with the number of items: they are taken as the results are asked for, so many tasks ahead.
+
+    Parameters
+    ----------
+    client
+        Of the cluster.
+    function
+        Of a module that the workers have.
+    items
+        What it is called with, one by one.
+    ahead
+        How many tasks of a few items are under way, at least 1; two for each thread of the workers by default.
+
+    Raises
+    ------
+    HarmonicFaceError
+        No dask.distributed, no workers; what the function refuses, after the results of all items before.
+    """
+    tasks = ahead or 2 * sum(threads_of(client).values())
+    waiting: deque[Future] = deque()
+    try:
+        left = iter(items)
+        while some := tuple(islice(left, AT_ONCE)):
+            waiting.append(client.submit(_made, function, some, key=f"enrol-{uuid.uuid4().hex}"))
+            if len(waiting) == tasks:
+                yield from _results(waiting.popleft())
+        while waiting:
+            yield from _results(waiting.popleft())
+    finally:
+        client.cancel(list(waiting))
+
+
+def threads_of(client: Client) -> dict[str, int]:
+    """Return the addresses of a cluster's workers, and how many threads each has.
+
+    Raises
+    ------
+    HarmonicFaceError
+        No dask.distributed, no client of it, no workers.
+    """
+    try:
+        from distributed import Client  # an extra, needed for galleries beyond one machine
+    except ImportError:
+        raise HarmonicFaceError(
+            "client: expected dask.distributed, got none: pip install harmonicface[distributed]"
+        ) from None
+    if not isinstance(client, Client):
+        raise HarmonicFaceError(f"client: expected a client of dask.distributed, got {type(client).__name__}")
+    found = dict(client.nthreads())
+    if not found:
+        raise HarmonicFaceError("client: expected a cluster with workers, got one that has none now")
+    return found
+
+
+def _results(future: Future) -> Iterator[Any]:
+    """Yield the results of a task, then raise what stopped it."""
+    results, error = future.result()
+    yield from results
+    if error is not None:
+        raise error
+
+
+def _made(function: Callable[[Any], Any], items: tuple[Any, ...]) -> tuple[list[Any], HarmonicFaceError | None]:
+    """Return what a function makes of items, and why it stopped."""
+    results = []
+    for item in items:
+        try:
+            results.append(function(item))
+        except HarmonicFaceError as error:
+            return results, error
+    return results, None
+
+
+def _ready(held: Held) -> None:
+    """Do nothing on the worker that holds a shelf."""
+
+
+def _searched(held: Held, units: Units, top: int | None, distance: float) -> list[Found]:
+    """Search a shelf on the worker that holds it."""
+    if len(units) == 1:
+        found = [held.shelf.search(units[0], top, distance)]
+    else:
+        found = held.shelf.search_many(units, top, distance)
+    _tidy(held)
+    return found
+
+
+def _closeness(held: Held, units: Units) -> NDArray[np.float32]:
+    """Look at everybody on the worker that holds them."""
+    found = held.shelf.closeness(units)
+    _tidy(held)
+    return found
+
+
+def _tidy(held: Held) -> None:
+    """Give pages of files back before they are much of the worker's memory: its nanny counts them."""
+    from distributed import get_worker
+
+    statistics = Path("/proc/self/statm")
+    if statistics.exists():
+        mapped = int(statistics.read_text(encoding="ascii").split()[2]) * 4096
+        limit = get_worker().memory_manager.memory_limit or physical_memory()
+        if mapped > limit // MAPPED:
+            held.shelf.forget()
