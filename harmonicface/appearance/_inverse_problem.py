@@ -75,8 +75,10 @@ def above_zero(value: float, name: str) -> None:
         raise HarmonicFaceError(f"{name}: expected a number above 0, got {got}")
 
 
-def photographed(photo: ArrayLike, surface: Surface, mask: ArrayLike | None, saturation: float) -> Pixels:
-    """Return the pixels that count: in both masks, and below saturation in every channel."""
+def photographed(
+    photo: ArrayLike, surface: Surface, mask: ArrayLike | None, saturation: float, brightest: float = BRIGHTEST
+) -> Pixels:
+    """Return the pixels that count: in both masks, below saturation in every channel, and none beyond the brightest."""
     array = _validate.floats(photo, "photo")
     if array.shape not in (surface.shape, (*surface.shape, 3)):
         expected = f"shape {surface.shape} or {(*surface.shape, 3)}, as the surface"
@@ -94,8 +96,8 @@ def photographed(photo: ArrayLike, surface: Surface, mask: ArrayLike | None, sat
     least, most = float(intensities.min()), float(intensities.max())
     if most <= 0 and least < 0:  # noise around black is no fault
         raise HarmonicFaceError(f"photo: expected some light, got values from {least:.4g} to {most:.4g}")
-    if max(-least, most) > BRIGHTEST:
-        expected = f"intensities of at most {BRIGHTEST:g}"
+    if max(-least, most) > brightest:
+        expected = f"intensities of at most {brightest:g}"
         raise HarmonicFaceError(f"photo: expected {expected}, got values from {least:.4g} to {most:.4g}")
     coloured = intensities.shape[1] == 3 and surface.albedo.ndim == 3
     albedo = surface.pixel_albedo.T if coloured else surface.grey_albedo[None]

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
 from harmonicface._validate import Floats
-from harmonicface.appearance._inverse_problem import Solution, photographed, reduced, shown, solved
+from harmonicface.appearance._inverse_problem import BRIGHTEST, Solution, photographed, reduced, shown, solved
 from harmonicface.appearance.light_modes import HIDDEN, NOISE, ODD, LightMode, simple_basis
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import count
@@ -149,25 +149,27 @@ def estimate_light(
     strength = _checked_ridge(ridge)
     if noise is not None and not (_is_number(noise) and np.isfinite(noise) and noise >= 0):
         raise HarmonicFaceError(f"noise: expected a finite number of at least 0, got {_validate.describe(noise)}")
-    pixels = photographed(photo, surface, mask, saturation)
-    parts = np.hsplit(pixels.intensities, len(pixels.albedos))  # a coloured albedo: each channel its own equations
+    pixels = photographed(photo, surface, mask, saturation, np.inf)
+    unit = _power_of_two(pixels.intensities)
+    # a coloured albedo: each channel its own equations
+    parts = np.hsplit(pixels.intensities / unit, len(pixels.albedos))
     factors = [
         each
         for albedo, part in zip(pixels.albedos, parts, strict=True)
         for each in reduced(pixels.normals, albedo, part, order)
     ]
-    solutions = [solved(each, noise, strength) for each in factors]
+    solutions = [solved(each, None if noise is None else noise / unit, strength) for each in factors]
     estimates = [_spread(solution, order, size) for solution in solutions]
     coefficients, std, systematic, recoverable = zip(*estimates, strict=True)
     return LightEstimate(
-        coefficients=_channels(coefficients),
-        std=_channels(std),
-        systematic=_channels(systematic),
+        coefficients=unit * _channels(coefficients),
+        std=unit * _channels(std),
+        systematic=unit * _channels(systematic),
         recoverable=_channels(recoverable),
         singular_values=_channels([each.singular_values for each in solutions]),
         condition=max(each.condition for each in solutions),
-        residual=_channels([each.residual for each in solutions]),
-        noise=_channels([each.noise for each in solutions]),
+        residual=unit * _channels([each.residual for each in solutions]),
+        noise=unit * _channels([each.noise for each in solutions]),
         unrecoverable=_lost(solutions, order, size),
         determined=_known(solutions, order, size),
         pixels=len(pixels.normals),
@@ -178,6 +180,12 @@ def _channels(values: Sequence[ArrayLike]) -> NDArray[Any]:
     """Stack the channels along a last axis; of one channel there is none."""
     stacked = np.stack([np.asarray(value) for value in values], axis=-1)
     return stacked if len(values) > 1 else np.asarray(stacked[..., 0])
+
+
+def _power_of_two(intensities: Floats) -> float:
+    """Return what brings very bright photographs into a range whose squares are numbers; 1 for all others."""
+    brightest = float(np.abs(intensities).max())
+    return 2.0 ** np.floor(np.log2(brightest)) if brightest > BRIGHTEST else 1.0
 
 
 def _spread(solution: Solution, order: int, size: int) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:

@@ -52,7 +52,7 @@ class Subspace:
         Raises
         ------
         HarmonicFaceError
-            Not a (k, p) array, NaN or infinity, all 0; `most` below 1.
+            Not a (k, p) array, NaN or infinity, all 0 or nearly (1e-308); `most` below 1.
 
         Examples
         --------
@@ -72,8 +72,12 @@ class Subspace:
         u, values, vt = scipy.linalg.svd(r, full_matrices=False, check_finite=False)
         rank = min(int((values > values[0] * rounding).sum()), limit)
         rows = np.ascontiguousarray((q @ u[:, :rank]).T, dtype=np.float32)
+        with np.errstate(over="ignore"):
+            to_coefficients = vt[:rank] / (values[:rank, None] * scale)
+        if not np.isfinite(to_coefficients).all():
+            raise HarmonicFaceError(f"images: expected brighter pictures, got values of at most {scale:.4g}")
         # contiguous, as it comes back from a file: the order in memory decides the last bit of a product
-        return cls(rows, np.ascontiguousarray(vt[:rank] / (values[:rank, None] * scale)))
+        return cls(rows, np.ascontiguousarray(to_coefficients))
 
     @property
     def rank(self) -> int:
@@ -129,9 +133,15 @@ class Subspace:
         Raises
         ------
         HarmonicFaceError
-            Another count of pixels, NaN or infinity.
+            Another count of pixels, NaN or infinity; pictures so dark that no number is large enough.
         """
-        return np.asarray((self.rows @ _pixels(photo, self.rows.shape[1])) @ self.to_coefficients)
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = np.asarray((self.rows @ _pixels(photo, self.rows.shape[1])) @ self.to_coefficients)
+        if not np.isfinite(found).all():
+            raise HarmonicFaceError(
+                "photo: expected one that the pictures can make, got coefficients beyond any number"
+            )
+        return found
 
     def restrict(self, good: NDArray[np.bool_]) -> Subspace:
         """Return the span of the same pictures seen through a mask, for a photograph of which some pixels are bad.

@@ -215,3 +215,12 @@ def test_a_mask_that_leaves_nothing_of_the_pictures() -> None:
     half[:, :30] = RNG.normal(size=(2, 30))
     with pytest.raises(hf.HarmonicFaceError, match="images: expected a picture with something in it"):
         Subspace.of(half).restrict(np.arange(60) >= 30)
+
+
+def test_pictures_too_dark_for_coefficients_are_refused() -> None:
+    with pytest.raises(hf.HarmonicFaceError, match="images: expected brighter pictures, got values of at most 1e-310"):
+        Subspace.of(1e-310 * np.eye(2))
+    span = Subspace.of(1e-307 * np.eye(2))
+    assert span.distance([1.0, 1.0]) == 0
+    with pytest.raises(hf.HarmonicFaceError, match="coefficients beyond any number"):
+        span.coefficients([100.0, 1.0])

@@ -15,8 +15,9 @@ solver ended in an error of the package, which gives the reason, or said that no
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -85,6 +86,15 @@ class Refused:
     """
 
     reason: str
+
+
+Rows: TypeAlias = dict[str, Callable[[], Measured | Refused]]
+Answers: TypeAlias = dict[tuple[str, str], Callable[[], Measured | Refused]]
+
+
+def named(solver: str, rows: Rows) -> Answers:
+    """Return rows by solver and case, from those of one solver by case."""
+    return {(solver, case): row for case, row in rows.items()}
 
 
 @dataclass(frozen=True)
@@ -180,8 +190,8 @@ def unit(size: float, dtype: DTypeLike = np.float64) -> float:
 
     Examples
     --------
-    >>> unit(1.0) == np.finfo(float).eps, unit(5e-324)
-    (True, 1.0)
+    >>> unit(1.0), unit(5e-324)
+    (2.220446049250313e-16, 1.0)
     """
     about: Any = np.finfo(dtype)
     return max(float(about.eps), float(np.longdouble(about.smallest_subnormal) / np.longdouble(size)))
