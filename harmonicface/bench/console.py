@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
+
+WIDE = 180  # columns of what is no terminal
 
 
 @contextmanager
@@ -42,13 +45,25 @@ def waiting(what: str) -> Iterator[Callable[[str], None]]:
         yield lambda following: status.update(f"{following} ...")
 
 
-def print_table(title: str, heads: list[str], rows: list[list[str]]) -> None:
-    """Print a table that fits a terminal of 80 columns: the first column to the left, numbers to the right."""
+def print_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], texts: Sequence[str] = ()) -> None:
+    """Print a table: the first column and texts to the left, numbers to the right; texts alone are broken.
+
+    It fits a terminal, and what is no terminal is as wide as it takes.
+    """
     table = Table(
-        title=title, title_justify="left", box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0)
+        title=title or None,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        show_edge=False,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
     )
     for index, head in enumerate(heads):
-        table.add_column(head, justify="right" if index else "left", no_wrap=True)
+        left = head in texts if texts else index == 0
+        table.add_column(head, justify="left" if left else "right", no_wrap=head not in texts)
     for row in rows:
-        table.add_row(*row)
-    Console().print(table)
+        table.add_row(*(escape(cell) for cell in row))
+    console = Console()
+    if texts and not console.is_terminal:
+        console = Console(width=WIDE)
+    console.print(table)

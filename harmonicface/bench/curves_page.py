@@ -11,10 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harmonicface.bench.curves import CurvePoint, lost_points
+from harmonicface.bench.drawing import ACCENT, INK, png
 from harmonicface.bench.measure import machine
 from harmonicface.bench.ordeals import ENROLMENT, ORDEALS, Ordeal
 from harmonicface.bench.page import image, page, table
-from harmonicface.bench.yale_plots import ACCENT, INK, OURS, png
+from harmonicface.bench.yale_plots import OURS
 from harmonicface.bench.yale_timing import Timing
 from harmonicface.io.files import replacing
 

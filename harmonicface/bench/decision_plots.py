@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,6 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import norm
 
 from harmonicface._validate import Floats
+from harmonicface.bench.drawing import ACCENT, INK, png
 from harmonicface.bench.page import image, table
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.recognition.decision import ErrorCurve, equal_error_rate, error_curve, rates_at, threshold_at_fmr
@@ -26,11 +25,7 @@ from harmonicface.recognition.identification import (
 )
 from harmonicface.recognition.intervals import rate
 
-matplotlib.use("Agg")
-
 OURS = "default"
-INK = "#22303c"
-ACCENT = "#c8553d"
 COLOURS = (INK, "#4c8c9b", "#8a7aa8", "#b59a4a", "#6f8f5f", "#a0a7ad", "#7a5c48")
 TICKS = (0.001, 0.01, 0.05, 0.2, 0.5, 0.8)  # of a DET plot
 LEAST = 5e-4  # errors below are drawn there
@@ -193,6 +188,4 @@ def _drawn(draw: Callable[[Axes], None]) -> bytes:
     axis.spines[["top", "right"]].set_visible(False)
     axis.grid(alpha=0.25)
     axis.legend(frameon=False, fontsize=9)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=130)
-    return buffer.getvalue()
+    return png(figure)

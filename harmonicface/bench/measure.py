@@ -7,18 +7,33 @@ import os
 import platform
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from importlib.metadata import version
+from dataclasses import asdict, dataclass, field, fields
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
+from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
 
 PACKAGES = ("harmonicface", "numpy", "scipy", "opencv-contrib-python-headless", "scikit-learn", "trimesh")
+ALWAYS = ("harmonicface", "numpy")  # packages whose versions every record has
+
+
+@cache
+def version_of(package: str) -> str:
+    """Return the version of an installed package, "" where it is not told."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
 
 
 @dataclass(frozen=True)
 class Record:
     """A measurement: how fast, how wrong, and beside whom.
+
+    A record with a peer is made by `bench.timing.record`, which takes the peer's name from the function that was timed.
 
     Parameters
     ----------
@@ -29,7 +44,7 @@ class Record:
     seconds
         Wall time of ours.
     error
-        How far our answer is from the right one; `note` says in what.
+        How far our answer is from the right one, in `unit`.
     bytes
         Memory that ours reads or keeps.
     peer
@@ -37,7 +52,19 @@ class Record:
     peer_seconds
         Wall time of the peer.
     note
-        What a reader has to know, with the peer's error where it has one.
+        What a reader has to know.
+    unit
+        What an error counts, as "% given to the wrong person" or "relative L2".
+    peer_error
+        The peer's error, in the same unit; 0 where its answer is the right one.
+    seed
+        What randomness began with, one number or in words ("0 to 15"); None where there is none.
+    question
+        Records that answer the same question, in the same unit, are drawn in one plot: each is another way to it.
+    call
+        The function of ours that was timed.
+    versions
+        Of the packages that were timed.
     """
 
     name: str
@@ -48,6 +75,12 @@ class Record:
     peer: str | None = None
     peer_seconds: float | None = None
     note: str = ""
+    unit: str = ""
+    peer_error: float | None = None
+    seed: int | str | None = None
+    question: str = ""
+    call: str = ""
+    versions: dict[str, str] = field(default_factory=lambda: {name: version_of(name) for name in ALWAYS})
 
     @property
     def ratio(self) -> float | None:
@@ -88,13 +121,22 @@ def write_records(path: str | os.PathLike[str], records: Sequence[Record]) -> No
         temporary.write_text(text + "\n", encoding="utf-8")
 
 
-def print_records(records: Sequence[Record]) -> None:
-    """Print records, one to a paragraph."""
-    for record in records:
-        print(f"{record.name}, {record.size}: {1e3 * record.seconds:.2f} ms", end="")
-        if record.peer_seconds is not None:
-            print(f"; {record.peer}: {1e3 * record.peer_seconds:.2f} ms; ratio {record.ratio:.2f}", end="")
-        print(f"\n    error {record.error}; {record.note}")
+def read_records(path: str | os.PathLike[str]) -> list[Record]:
+    """Return the records that `write_records` has written.
+
+    Raises
+    ------
+    HarmonicFaceError
+        The file cannot be read, or holds something else.
+    """
+    known = {one.name for one in fields(Record)}
+    try:
+        found: list[dict[str, Any]] = json.loads(Path(path).read_text(encoding="utf-8"))
+        return [Record(**{name: value for name, value in one.items() if name in known}) for one in found]
+    except OSError as error:
+        raise HarmonicFaceError(f"cannot read {path}: {error.strerror}") from None
+    except (ValueError, TypeError, AttributeError):
+        raise HarmonicFaceError(f"{path}: expected a JSON list of records") from None
 
 
 def _processor() -> str:
@@ -105,3 +147,11 @@ def _processor() -> str:
             if line.startswith("model name"):
                 return line.split(":", 1)[1].strip()
     return platform.processor() or platform.machine()
+
+
+def print_records(records: Sequence[Record]) -> None:  # until every benchmark has the shared command line
+    """Print records as a table."""
+    from harmonicface.bench.console import print_table
+    from harmonicface.bench.record_table import record_table
+
+    print_table("", *record_table(records))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
+from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 
@@ -16,7 +17,9 @@ from harmonicface._validate import Floats
 HERE = Path(__file__).parent
 
 
-def page(template: str, title: str, fields: dict[str, object], meta: dict[str, str] | None = None) -> str:
+def page(
+    template: str, title: str, fields: dict[str, object], meta: dict[str, str] | None = None, style: str = ""
+) -> str:
     """Return a whole page.
 
     Parameters
@@ -29,26 +32,31 @@ def page(template: str, title: str, fields: dict[str, object], meta: dict[str, s
         What stands for each name in the template; texts are HTML already.
     meta
         Plain texts that a program may look for in the page, by name.
+    style
+        CSS of this page alone, after what all pages have.
     """
     body = _template(template).substitute(fields)
     lines = [
         f'<meta name="{html.escape(name)}" content="{html.escape(text)}">\n' for name, text in (meta or {}).items()
     ]
-    return _template("page.html.template").substitute(title=html.escape(title), meta="".join(lines), body=body)
+    return _template("page.html.template").substitute(
+        title=html.escape(title), meta="".join(lines), style=style, body=body
+    )
 
 
-def table(heads: list[str], rows: list[list[str]], strong: str = "") -> str:
-    """Return an HTML table of plain texts; the row that begins with `strong` stands out.
+def table(heads: list[str], rows: list[list[str]], strong: str = "", texts: Sequence[str] = ()) -> str:
+    """Return an HTML table of plain texts; the row that begins with `strong` stands out, columns of `texts` are broken.
 
     Examples
     --------
     >>> table(["a"], [["<1"]])
     '<table><thead><tr><th>a</th></tr></thead><tbody><tr><td>&lt;1</td></tr></tbody></table>'
     """
-    head = "".join(f"<th>{html.escape(text)}</th>" for text in heads)
+    kinds = [" class=text" if head in texts else "" for head in heads]
+    head = "".join(f"<th{kind}>{html.escape(text)}</th>" for kind, text in zip(kinds, heads, strict=True))
     body = "".join(
         f"<tr{' class=ours' if row[0] == strong else ''}>"
-        + "".join(f"<td>{html.escape(cell)}</td>" for cell in row)
+        + "".join(f"<td{kind}>{html.escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True))
         + "</tr>"
         for row in rows
     )

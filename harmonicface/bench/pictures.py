@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 
-import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.appearance.render import render
-from harmonicface.bench.benchmark import BenchmarkResult, MethodResult, Query
+from harmonicface.bench.benchmark import BenchmarkResult, Query
+from harmonicface.bench.drawing import INK, png
+from harmonicface.bench.measure import Record
+from harmonicface.bench.speed_plot import Point, speed_error_picture
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.io.pictures import signed_colours, to_display
 from harmonicface.surfaces.surface import Surface
 
-matplotlib.use("Agg")
-
-OURS = "harmonic9"
-INK = "#22303c"
-ACCENT = "#c8553d"
+OURS = ("harmonic9", "default")
 HARMONIC_NAMES = ("1", "y", "z", "x", "xy", "yz", "3z²-1", "xz", "x²-y²")
 EXAMPLES = 4
 
@@ -35,7 +33,7 @@ def lights_picture(result: BenchmarkResult) -> bytes:
         for column, query in enumerate(_spread(queries, EXAMPLES)):
             row[2 * column].imshow(to_display(render(ball, query.light)), cmap="gray")
             row[2 * column + 1].imshow(to_display(query.photo, scale=1.0), cmap="gray", vmin=0, vmax=1)
-    return _png(figure)
+    return png(figure)
 
 
 def harmonics_picture(surface: Surface) -> bytes:
@@ -46,7 +44,7 @@ def harmonics_picture(surface: Surface) -> bytes:
         picture[surface.mask] = image
         axis.imshow(signed_colours(picture, surface.mask))
         axis.set_title(name, fontsize=10, color=INK)
-    return _png(figure)
+    return png(figure)
 
 
 def explanations_picture(result: BenchmarkResult, tiers: Sequence[str] = ()) -> bytes:
@@ -60,38 +58,16 @@ def explanations_picture(result: BenchmarkResult, tiers: Sequence[str] = ()) -> 
         queries = result.asked[tier]
         row[0].set_ylabel(tier, rotation=0, ha="right", va="center", color=INK, fontsize=10)
         _explain(row, result, queries[(2 * number + 1) * len(queries) // (2 * len(shown))])
-    return _png(figure)
+    return png(figure)
 
 
-def tradeoff_picture(methods: Sequence[MethodResult], queries: dict[str, int]) -> bytes:
-    """Draw error over all tiers against time a photograph."""
-    figure = Figure(figsize=(7.2, 4.2), layout="constrained")
-    axis = figure.add_subplot()
-    total = sum(queries.values())
-    for method in methods:
-        percent = 100 * sum(method.errors.values()) / total
-        ours = method.method == OURS
-        axis.plot(method.milliseconds, percent, "o", markersize=11 if ours else 8, color=ACCENT if ours else INK)
-        axis.annotate(
-            method.method,
-            (method.milliseconds, percent),
-            xytext=(10, -4) if ours else (8, 5),
-            textcoords="offset points",
-            color=ACCENT if ours else INK,
-            fontweight="bold" if ours else "normal",
-            fontsize=10,
-        )
-    axis.set_xscale("log")
-    axis.margins(0.16)
-    axis.set_ylim(bottom=-3)
-    axis.set_xlabel("milliseconds a photograph")
-    axis.set_ylabel("photographs given to the wrong person, %")
-    axis.spines[["top", "right"]].set_visible(False)
-    axis.grid(alpha=0.25)
-    return _png(figure)
+def tradeoff_picture(records: Sequence[Record]) -> bytes:
+    """Draw the error over all tiers against the time of a photograph, one point a method."""
+    points = [Point(one.name, one.seconds, one.error or 0.0, one.name in OURS) for one in records]
+    return speed_error_picture(points, records[0].unit, "time a photograph")
 
 
-def _explain(row: Sequence[matplotlib.axes.Axes], result: BenchmarkResult, query: Query) -> None:
+def _explain(row: Sequence[Axes], result: BenchmarkResult, query: Query) -> None:
     """Fill one row: photograph, gallery picture, right person, wrong person, with residuals in the same scale."""
     gallery: Gallery = result.gallery
     right = result.people[query.person].name
@@ -132,9 +108,3 @@ def _grid(rows: int, columns: int, inches: float) -> tuple[Figure, NDArray[np.ob
         axis.set_yticks([])
         axis.spines[:].set_visible(False)
     return figure, axes
-
-
-def _png(figure: Figure) -> bytes:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=130)
-    return buffer.getvalue()

@@ -13,7 +13,7 @@ from harmonicface.bench.benchmark import MARGIN_METHOD, BenchmarkResult
 from harmonicface.bench.enrolment import ENROLMENTS
 from harmonicface.bench.measure import machine
 from harmonicface.bench.page import definitions, image, page, table
-from harmonicface.bench.table import cost_table, enrolment_table, error_table, margin_table
+from harmonicface.bench.table import cost_table, enrolment_table, error_table, margin_table, method_records
 from harmonicface.bench.tiers import TIERS
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
@@ -79,6 +79,7 @@ def results(result: BenchmarkResult) -> dict[str, object]:
         },
         "threshold": result.gallery.threshold,
         "margin": result.gallery.margin,
+        "records": [record.as_dict() for record in method_records(result)],
         "machine": machine(),
     }
 
@@ -108,7 +109,7 @@ def _page(result: BenchmarkResult) -> str:
         "explanations": image(pictures.explanations_picture(result), "photographs explained by right and wrong people"),
         "harmonics": image(pictures.harmonics_picture(result.people[0].surface), "nine harmonic images of one person"),
         "lights": image(pictures.lights_picture(result), "balls and faces under the lights of each tier"),
-        "tradeoff": image(pictures.tradeoff_picture(result.methods, result.queries), "error against time"),
+        "tradeoff": image(pictures.tradeoff_picture(method_records(result)), "error against time"),
         "machine": html.escape(f"{about['processor']}, {about['cores']} cores, Python {about['python']}"),
         "packages": html.escape(", ".join(f"{name} {number}" for name, number in dict(about["packages"]).items())),  # type: ignore[call-overload]
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 
 import matplotlib
@@ -13,7 +12,8 @@ from numpy.typing import NDArray
 from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.appearance.render import render
-from harmonicface.bench.pictures import ACCENT, INK, white_ball
+from harmonicface.bench.drawing import ACCENT, INK, png
+from harmonicface.bench.pictures import white_ball
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import order_of
 from harmonicface.io.pictures import signed_colours, to_display
@@ -23,8 +23,6 @@ from harmonicface.stereo.result import StereoResult
 from harmonicface.surfaces.operations import resize
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.turning import turn
-
-matplotlib.use("Agg")
 
 PAPER = 0.96  # display value of what is no surface
 SIDE = 240  # pixels of a picture in a strip
@@ -184,7 +182,7 @@ def singular_values_picture(result: StereoResult) -> bytes:
     axis.set_ylabel("over the largest", color=INK)
     for side in ("top", "right"):
         axis.spines[side].set_visible(False)
-    return _png(figure)
+    return png(figure)
 
 
 def lights_picture(result: StereoResult, names: Sequence[str]) -> bytes:
@@ -203,7 +201,7 @@ def lights_picture(result: StereoResult, names: Sequence[str]) -> bytes:
         axis.imshow(display, cmap="gray", vmin=0, vmax=1)
         axis.set_title(str(names[index])[:16], fontsize=7, color=INK)
         axis.axis("off")
-    return _png(figure)
+    return png(figure)
 
 
 def _lamps(lights: Floats, numbers: Sequence[int]) -> bytes:
@@ -222,7 +220,7 @@ def _lamps(lights: Floats, numbers: Sequence[int]) -> bytes:
     axis.set_ylim(0, reach)
     axis.set_yticks(range(30, reach + 1, 30), [f"{each}°" for each in range(30, reach + 1, 30)], fontsize=7)
     axis.set_xticks(np.radians([0, 90, 180, 270]), ["right", "up", "left", "down"], fontsize=8)
-    return _png(figure)
+    return png(figure)
 
 
 def _turned(surface: Surface, yaw: float) -> Surface | None:
@@ -264,9 +262,3 @@ def _montage(rows: list[list[Floats]], gap: int = 6) -> Floats:
             top, left = down * (height + gap), across * (width + gap)
             sheet[top : top + height, left : left + width] = picture
     return sheet
-
-
-def _png(figure: Figure) -> bytes:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=130)
-    return buffer.getvalue()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from harmonicface.bench.benchmark import BenchmarkResult
+from harmonicface.bench.measure import Record
 from harmonicface.bench.published import published
 from harmonicface.bench.yale_result import YaleMethod, YaleResult
 from harmonicface.recognition.intervals import Rate
+
+WRONG = "% of photographs given to the wrong person"
 
 
 def error_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
@@ -21,6 +24,24 @@ def error_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
         for method in result.methods
     ]
     return heads, rows
+
+
+def method_records(result: BenchmarkResult) -> list[Record]:
+    """Return one record a method: the time of a photograph, and the error over all tiers."""
+    total = sum(result.queries.values())
+    return [
+        Record(
+            name=method.method,
+            size=f"{result.faces} people {result.size}x{result.size}, {total} photographs",
+            seconds=method.milliseconds / 1e3,
+            bytes=round(method.bytes_per_person),
+            error=100 * sum(method.errors.values()) / total,
+            unit=WRONG,
+            seed=result.seed,
+            note="bytes: a person",
+        )
+        for method in result.methods
+    ]
 
 
 def margin_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:

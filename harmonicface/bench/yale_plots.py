@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 
 import matplotlib
@@ -10,15 +9,11 @@ import numpy as np
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
+from harmonicface.bench.drawing import ACCENT, INK, png
+from harmonicface.bench.speed_plot import Point, speed_error_picture
 from harmonicface.bench.yale_result import YaleMethod, YaleResult
 
-matplotlib.use("Agg")
-
 OURS = "default"
-INK = "#22303c"
-ACCENT = "#c8553d"
-LABEL = 0.045  # of the height of a plot: what a name needs
-LETTER = 0.0115  # of the width
 
 
 def by_error(result: YaleResult) -> list[tuple[str, YaleMethod]]:
@@ -53,65 +48,12 @@ def subsets_picture(result: YaleResult) -> bytes:
 
 def time_picture(result: YaleResult) -> bytes:
     """Draw the error over all subsets against the time of a query, its 95 % interval as a line."""
-    figure = Figure(figsize=(7.2, 5.2), layout="constrained")
-    axis = figure.add_subplot()
-    points = [(name, method.ms_per_query, overall(method)) for name, method in by_error(result)]
-    for name, method in result.methods.items():
+    points = []
+    for name, method in by_error(result):
         found = method.rate([int(subset) for subset in method.asked])
-        if found is not None:
-            colour = ACCENT if name == OURS else INK
-            axis.plot([method.ms_per_query] * 2, [100 * found.low, 100 * found.high], color=colour, alpha=0.35)
-    for name, milliseconds, percent in points:
-        ours = name == OURS
-        axis.plot(milliseconds, percent, "o", markersize=9 if ours else 6, color=ACCENT if ours else INK)
-    axis.set_xscale("log")
-    axis.set_yscale("symlog", linthresh=1, linscale=0.6)
-    axis.set_yticks([0, 0.5, 1, 2, 5, 10, 20, 50], ["0", "0.5", "1", "2", "5", "10", "20", "50"])
-    axis.set_ylim(-0.15, 100)
-    axis.margins(x=0.2)
-    axis.set_xlabel("milliseconds a photograph")
-    axis.set_ylabel("photographs given to the wrong person, %")
-    axis.spines[["top", "right"]].set_visible(False)
-    axis.grid(alpha=0.25)
-    figure.draw_without_rendering()  # names are placed where the layout puts the points
-    _name_points(axis, points)
-    return png(figure)
-
-
-def png(figure: Figure) -> bytes:
-    """Return the PNG of a figure."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=130)
-    return buffer.getvalue()
-
-
-def _name_points(axis: matplotlib.axes.Axes, points: Sequence[tuple[str, float, float]]) -> None:
-    """Write names to the right of points, moved up or down until they do not cover each other."""
-    into = axis.transAxes.inverted()
-    dots = [into.transform(axis.transData.transform((one, two))) for _, one, two in points]
-    placed = [(x - 0.012, x + 0.012, y) for x, y in dots]
-    for name, milliseconds, percent in sorted(points, key=lambda point: point[2]):
-        x, y = into.transform(axis.transData.transform((milliseconds, percent)))
-        start = x + 0.02
-        end, step = start + LETTER * len(name), 0
-        height = y
-        while any(abs(height - other) < LABEL and start < right and left < end for left, right, other in placed):
-            step += 1
-            height = y + LABEL / 3 * (step // 2 if step % 2 == 0 else -(step + 1) // 2)  # below and above in turn
-        placed.append((start, end, height))
-        ours = name == OURS
-        axis.annotate(
-            name,
-            (x, y),
-            xytext=(start, height),
-            xycoords="axes fraction",
-            textcoords="axes fraction",
-            va="center",
-            color=ACCENT if ours else INK,
-            fontweight="bold" if ours else "normal",
-            fontsize=8.5,
-            arrowprops=None if abs(height - y) < LABEL / 2 else {"arrowstyle": "-", "color": "#b8c0c7", "lw": 0.7},
-        )
+        low, high = (None, None) if found is None else (100 * found.low, 100 * found.high)
+        points.append(Point(name, method.ms_per_query / 1e3, overall(method), name == OURS, low=low, high=high))
+    return speed_error_picture(points, "% of photographs given to the wrong person", "time a photograph")
 
 
 def _mark_ours(labels: Sequence[matplotlib.text.Text]) -> None:

@@ -10,11 +10,12 @@ import pytest
 
 import harmonicface as hf
 from harmonicface.bench import measure
-from harmonicface.bench.measure import Record, best_seconds, machine, print_records, write_records
+from harmonicface.bench.measure import Record, best_seconds, machine, read_records, write_records
 
 ALONE = Record("load", "one mesh", 0.25, error=0.0, bytes=12, note="in pixels")
 BESIDE = Record("match", "9 people", 0.003, error=1.5, peer="numpy", peer_seconds=0.002)
-FIELDS = {"name", "size", "seconds", "bytes", "error", "peer", "peer_seconds", "ratio", "note"}
+PROMISED = {"name", "size", "seconds", "bytes", "error", "peer", "peer_seconds", "ratio", "note"}
+FIELDS = PROMISED | {"unit", "peer_error", "seed", "question", "call", "versions"}
 
 
 def test_the_ratio_is_ours_over_the_peers() -> None:
@@ -31,12 +32,26 @@ def test_records_are_written_as_a_list_of_the_promised_fields(tmp_path: Path) ->
         write_records(tmp_path / "none" / "records.json", [ALONE])
 
 
-def test_records_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    print_records([ALONE, BESIDE])
-    printed = capsys.readouterr().out.splitlines()
-    assert printed[0] == "load, one mesh: 250.00 ms"
-    assert printed[1].strip() == "error 0.0; in pixels"
-    assert printed[2] == "match, 9 people: 3.00 ms; numpy: 2.00 ms; ratio 1.50"
+def test_records_are_read_as_they_were_written(tmp_path: Path) -> None:
+    write_records(tmp_path / "records.json", [ALONE, BESIDE])
+    assert read_records(tmp_path / "records.json") == [ALONE, BESIDE]
+
+
+def test_versions_are_those_of_what_was_timed() -> None:
+    assert ALONE.versions == {"harmonicface": hf.__version__, "numpy": np.__version__}
+    assert measure.version_of("no such package") == ""
+
+
+@pytest.mark.parametrize("text", ["{", "3", "[3]", '[{"name": "a"}]'])
+def test_what_holds_no_records_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "records.json").write_text(text)
+    with pytest.raises(hf.HarmonicFaceError, match="expected a JSON list of records"):
+        read_records(tmp_path / "records.json")
+
+
+def test_records_that_are_not_there(tmp_path: Path) -> None:
+    with pytest.raises(hf.HarmonicFaceError, match=r"cannot read .*none\.json: No such file"):
+        read_records(tmp_path / "none.json")
 
 
 def test_the_best_of_several_after_one_to_warm_up(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,9 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from harmonicface.bench import pictures
-from harmonicface.bench.benchmark import BenchmarkResult, MethodResult
+from harmonicface.bench.benchmark import BenchmarkResult
+from harmonicface.bench.measure import Record
+from harmonicface.bench.table import method_records
 
 
 def decoded(png: bytes) -> np.ndarray:
@@ -26,7 +28,7 @@ def test_every_picture_is_drawn(small_run: BenchmarkResult) -> None:
     assert colours(decoded(pictures.lights_picture(small_run))) > 100
     assert colours(decoded(pictures.harmonics_picture(small_run.people[0].surface))) > 100
     assert colours(decoded(pictures.explanations_picture(small_run))) > 100
-    assert colours(decoded(pictures.tradeoff_picture(small_run.methods, small_run.queries))) > 10
+    assert colours(decoded(pictures.tradeoff_picture(method_records(small_run)))) > 10
 
 
 def test_chosen_tiers_alone_are_explained(small_run: BenchmarkResult) -> None:
@@ -36,13 +38,12 @@ def test_chosen_tiers_alone_are_explained(small_run: BenchmarkResult) -> None:
     assert one.shape[0] < everything.shape[0] / 3
 
 
-def test_a_method_is_a_point(small_run: BenchmarkResult) -> None:
+def test_a_method_is_a_point() -> None:
     accent = np.array([0xC8, 0x55, 0x3D])
-    ours = [MethodResult("harmonic9", {"side": 0}, 1.0, 1.0, 1.0)]
-    theirs = [MethodResult("lbph", {"side": 3}, 1.0, 1.0, 1.0)]
-    painted = (decoded(pictures.tradeoff_picture(ours, {"side": 10})) == accent).all(axis=2).sum()
-    assert painted > 50
-    assert not (decoded(pictures.tradeoff_picture(theirs, {"side": 10})) == accent).all(axis=2).any()
+    shown = [decoded(pictures.tradeoff_picture([Record(name, "", 1.0, 3.0)])) for name in ("harmonic9", "lbph")]
+    painted = [(picture == accent).all(axis=2).sum() for picture in shown]
+    assert painted[0] > 50
+    assert painted[1] == 0
 
 
 def test_the_ball_is_round_and_faces_the_camera() -> None:
