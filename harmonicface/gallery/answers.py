@@ -12,6 +12,7 @@ from harmonicface.gallery.enrolment import WITH_GEOMETRY
 from harmonicface.gallery.explanation import Evidence, named, unknown
 from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, SearchScores
 from harmonicface.gallery.people import People
+from harmonicface.gallery.ranking import distance as distance_of
 from harmonicface.gallery.ranking import rank, shortlist
 from harmonicface.gallery.registered import looked_at, registered_look
 from harmonicface.gallery.rule import Rule
@@ -40,19 +41,19 @@ def by_projection(people: People, asked: Asked, count: int, rule: Rule) -> Match
         Of the gallery.
     """
     pixels, good = asked
-    ranked = rank(people.rows, unit_photo(pixels[good], int(good.sum())), good, max(count, 2))
+    ranked = rank(people, unit_photo(pixels[good], int(good.sum())), good, max(count, 2))
     distance, best = ranked[0]
     margin = ratio(ranked[1][0], distance) if len(ranked) > 1 else 1.0
-    names, known = people.names, rule.is_known(distance, margin)
+    known = rule.is_known(distance, margin)
     reason = None if known else "nobody is near, or clearly nearer than the next"
-    said = (names[best], distance, rule.threshold, False)
+    said = (people.name(best), distance, rule.threshold, False)
     return Match(
-        name=names[best] if known else None,
+        name=people.name(best) if known else None,
         distance=distance,
         margin=margin,
         light=people.light(best, pixels, good, ambient=rule.ambient),
         candidates=tuple(
-            Candidate(names[index], value, source=people.sources[names[index]]) for value, index in ranked[:count]
+            Candidate(people.name(place), value, source=people.source(place)) for value, place in ranked[:count]
         ),
         domain=INTENSITIES,
         reason=reason,
@@ -66,17 +67,17 @@ def by_second_look(people: People, asked: Asked, count: int, rule: Rule) -> Matc
     """Match by a second look at a shortlist; the parameters are those of `by_projection`, people with portraits."""
     pixels, good = asked
     listed = max(count, rule.shortlist)
-    chosen = shortlist(people.rows, pixels[good].astype(np.float64), good, listed)
+    chosen = shortlist(people, pixels[good].astype(np.float64), good, listed)
     seen = registered_look(people, asked, chosen, listed, rule.threshold)
-    verdict, names, shape = seen.verdict, people.names, people.frame.shape
+    verdict, shape = seen.verdict, people.frame.shape
     order = verdict.order[: max(count, 2)]
     candidates = [
         Candidate(
-            name=names[seen.chosen[place]],
+            name=people.name(int(seen.chosen[place])),
             distance=float(verdict.distances[place]),
             score=float(verdict.scores[place]),
             shift=seen.shift(place, shape),
-            source=people.sources[names[seen.chosen[place]]],
+            source=people.source(int(seen.chosen[place])),
         )
         for place in order
     ]
@@ -98,15 +99,15 @@ def by_second_look(people: People, asked: Asked, count: int, rule: Rule) -> Matc
 
 
 def scores_by_projection(people: People, asked: Asked, names: Sequence[str], chosen: Sequence[int]) -> SearchScores:
-    """Return the scores of some people, by name and index, by plain projection."""
+    """Return the scores of some people, by name and place, by plain projection."""
     pixels, good = asked
-    ranked = rank(people.rows, unit_photo(pixels[good], int(good.sum())), good, len(people))
-    distances = np.array([distance for distance, _ in sorted(ranked, key=lambda one: one[1])])[chosen]
+    unit = unit_photo(pixels[good], int(good.sum()))
+    distances = np.array([distance_of(people, place, unit, good) for place in chosen])
     return SearchScores(tuple(names), -distances, distances, np.zeros((len(names), 2)))
 
 
 def scores_by_second_look(people: People, asked: Asked, names: Sequence[str], chosen: Sequence[int]) -> SearchScores:
-    """Return the scores of some people, by name and index, by a second look at all of them."""
+    """Return the scores of some people, by name and place, by a second look at all of them."""
     verdict = looked_at(people, asked, np.asarray(chosen, np.intp)).verdict
     return SearchScores(tuple(names), verdict.scores, verdict.distances, verdict.shifts, verdict.blocks)
 
@@ -140,9 +141,9 @@ def _evidence(
         frame=people.frame,
         pixels=asked[0],
         good=asked[1],
-        subspace=people.rows.subspace(index),
+        subspace=people.subspace(index),
         where=where,
-        geometry=people.sources[people.names[index]] in WITH_GEOMETRY,
+        geometry=people.source(index) in WITH_GEOMETRY,
         ambient=ambient,
         reason=reason,
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,18 +9,17 @@ from numpy.typing import ArrayLike
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery import answers, storage
+from harmonicface.gallery import answers
 from harmonicface.gallery.calibration import Calibration, calibration
-from harmonicface.gallery.enrolment import Model
+from harmonicface.gallery.keeping import Keeping
 from harmonicface.gallery.match import Match, SearchScores
-from harmonicface.gallery.roll import Roll
-from harmonicface.gallery.rule import DEFAULT_MARGIN, Rule
-from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
-from harmonicface.recognition.models import SUBSPACE_MODELS, WITH_DEPTH, harmonic9
 
 
-class Gallery(Rule, Roll):
+class Gallery(Keeping):
     """People, each as the subspace of her pictures and a template of her looks, in one frame of pixels.
+
+    A gallery made so is in memory, until it is saved; one made by `Gallery.create` or opened from a folder keeps
+    everything there.
 
     Parameters
     ----------
@@ -68,18 +66,6 @@ class Gallery(Rule, Roll):
     >>> gallery.match(photo).name
     'emmy'
     """
-
-    def __init__(
-        self,
-        model: str = DEFAULT_MODEL,
-        mask: ArrayLike | None = None,
-        threshold: float | None = None,
-        margin: float = DEFAULT_MARGIN,
-        shortlist: int = DEFAULT_SHORTLIST,
-    ) -> None:
-        Rule.__init__(self, model, threshold, margin, shortlist)
-        projection = None if self.by_score else Model(SUBSPACE_MODELS[model], depth=model in WITH_DEPTH)
-        Roll.__init__(self, projection or Model(harmonic9, fewest=1, templates=True), mask)
 
     def __repr__(self) -> str:
         known = self._people.known_frame
@@ -143,7 +129,7 @@ class Gallery(Rule, Roll):
             raise HarmonicFaceError("among: expected at least one name, got none")
         if len(set(names)) < len(names):
             raise HarmonicFaceError(f"among: expected each name once, got {len(names)} of {len(set(names))} people")
-        chosen = range(len(self)) if among is None else [self._people.index(name) for name in names]
+        chosen = range(len(self)) if among is None else [self._people.place(name) for name in names]
         return (answers.scores_by_second_look if self.by_score else answers.scores_by_projection)(
             self._people, asked, names, chosen
         )
@@ -191,41 +177,3 @@ class Gallery(Rule, Roll):
         if not self.by_score:
             self.margin = np.inf
         return found
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the gallery to one file, replaced whole or not at all.
-
-        Raises
-        ------
-        HarmonicFaceError
-            Nobody is in it, or the file cannot be written.
-        """
-        if not len(self):
-            raise HarmonicFaceError("save: expected a gallery with somebody in it, got an empty one")
-        storage.write(
-            path,
-            storage.Contents(
-                self.model,
-                self.threshold,
-                self.margin,
-                self.shortlist,
-                self._people.frame.mask,
-                self._people.rows,
-                dict(self._people.sources),
-                [portrait.template for portrait in self._people.portraits],
-            ),
-        )
-
-    @classmethod
-    def open(cls, path: str | os.PathLike[str]) -> Gallery:
-        """Read what `save` wrote.
-
-        Raises
-        ------
-        HarmonicFaceError
-            The file is missing, damaged, of another kind or of a version that this one does not know.
-        """
-        contents = storage.read(path)
-        gallery = cls(contents.model, contents.mask, contents.threshold, contents.margin, contents.shortlist)
-        gallery._people.restore(contents.rows, contents.sources, contents.templates)
-        return gallery

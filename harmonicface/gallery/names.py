@@ -6,6 +6,7 @@ from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 
 LONGEST = 200
+SEPARATORS = "/\\"  # of paths: whoever makes files of people's names is not led elsewhere
 
 
 def checked_name(name: object) -> str:
@@ -14,7 +15,7 @@ def checked_name(name: object) -> str:
     Parameters
     ----------
     name
-        1 to 200 printable characters, without blanks at either end.
+        1 to 200 printable characters, without blanks at either end and without slashes.
 
     Raises
     ------
@@ -31,4 +32,6 @@ def checked_name(name: object) -> str:
     if not 0 < len(name) <= LONGEST or not name.isprintable() or name != name.strip():
         expected = f"1 to {LONGEST} printable characters without blanks at the ends"
         raise HarmonicFaceError(f"name: expected {expected}, got {ascii(name)!s:.80}")
+    if any(separator in name for separator in SEPARATORS):
+        raise HarmonicFaceError(f"name: expected one without slashes, got {ascii(name)!s:.80}")
     return name

@@ -1,8 +1,9 @@
-"""The people of a gallery: everybody's rows, templates and sources in one frame, kept in step with each other."""
+"""The people of a gallery, wherever they are kept: everybody's rows, template and source, in one frame."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,21 +11,21 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.album import Album
 from harmonicface.gallery.enrolment import MOST_ROWS, WITH_GEOMETRY, Enrolment
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.portrait import Portrait
-from harmonicface.gallery.rows import StackedRows
+from harmonicface.gallery.rows import RowBlock
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.recognition.grid import grid
-from harmonicface.recognition.patterns import Template
 from harmonicface.recognition.render_compare import Photograph
 from harmonicface.recognition.subspace import Subspace
 
 FEWEST_PIXELS = 4 * MOST_ROWS  # as many pixels as rows are explained by anybody
 
 
-class People:
-    """Everybody who is enrolled, by index in the order of enrolment.
+class People(ABC):
+    """Everybody who is enrolled, by place in the order of enrolment.
 
     Parameters
     ----------
@@ -34,12 +35,53 @@ class People:
 
     def __init__(self, frame: Frame | None = None) -> None:
         self.known_frame = frame
-        self.sources: dict[str, str] = {}  # from what each person was enrolled
-        self.portraits: list[Portrait] = []  # of everybody, with the default model
-        self._rows: StackedRows | None = None
+        self._album = Album(self._portrait)
 
-    def __len__(self) -> int:
-        return len(self.sources)
+    @abstractmethod
+    def __len__(self) -> int: ...
+
+    @property
+    @abstractmethod
+    def names(self) -> Sequence[str]:
+        """Everybody's name."""
+
+    @abstractmethod
+    def find(self, name: str) -> int | None:
+        """Return the place of a person; None if nobody has that name."""
+
+    @abstractmethod
+    def name(self, place: int) -> str:
+        """Return a person's name."""
+
+    @abstractmethod
+    def enrolment(self, place: int) -> Enrolment:
+        """Return what stands for a person."""
+
+    @abstractmethod
+    def blocks(self) -> Iterator[RowBlock]:
+        """Yield everybody's rows, the people of each block one after the other."""
+
+    @property
+    @abstractmethod
+    def rounding(self) -> float:
+        """How far |Q y|^2 may be from 1 - distance^2 because stored rows are not quite orthonormal."""
+
+    @property
+    @abstractmethod
+    def nbytes(self) -> int:
+        """Bytes of rows, templates and what else is kept of people."""
+
+    @abstractmethod
+    def add(self, name: str, enrolled: Enrolment) -> None:
+        """Add a person, whose name is new."""
+
+    @abstractmethod
+    def remove(self, name: str) -> None:
+        """Take a person out; raises if nobody has that name."""
+
+    @abstractmethod
+    def rename(self, old: str, new: str) -> None:
+        """Give a person another name, which is new; raises if nobody has the old one."""
 
     @property
     def frame(self) -> Frame:
@@ -48,64 +90,34 @@ class People:
         return self.known_frame
 
     @property
-    def rows(self) -> StackedRows:
-        """Everybody's rows, once there are some."""
-        assert self._rows is not None, "somebody is enrolled"
-        return self._rows
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Everybody's name."""
-        return tuple(self.sources)
-
-    @property
-    def nbytes(self) -> int:
-        """Memory of rows, templates and pictures."""
-        rows = 0 if self._rows is None else self._rows.array.nbytes
-        return rows + sum(portrait.nbytes for portrait in self.portraits)
-
-    @property
     def pixels_of_grid(self) -> float:
         """How many pixels of a photograph a pixel of the grid is wide."""
         return self.frame.shape[0] / grid(self.frame.shape)[0]
 
-    def index(self, name: str) -> int:
-        """Return the index of a person.
+    def place(self, name: str) -> int:
+        """Return the place of a person.
 
         Raises
         ------
         HarmonicFaceError
             Nobody of that name is in the gallery.
         """
-        if name not in self.sources:
-            raise HarmonicFaceError(f"name: expected somebody in the gallery, got {name!r}, who is not")
-        return self.names.index(name)
+        place = self.find(name) if isinstance(name, str) else None
+        if place is None:
+            raise HarmonicFaceError(f"name: expected somebody in the gallery, got {name!r:.80}, who is not")
+        return place
 
-    def subspace(self, name: str) -> Subspace:
-        """Return a person's subspace; raises as `index` does."""
-        return self.rows.subspace(self.index(name))
+    def subspace(self, place: int) -> Subspace:
+        """Return a person's subspace."""
+        return self.enrolment(place).subspace
 
-    def add(self, name: str, enrolled: Enrolment) -> None:
-        """Add a person, whose name is new."""
-        self.known_frame = enrolled.frame
-        if self._rows is None:
-            self._rows = StackedRows(np.empty((0, enrolled.frame.pixels), np.float32))
-        self._rows.append(enrolled.subspace)
-        self.sources[name] = enrolled.source
-        if enrolled.template is not None:
-            self.portraits.append(self._portrait(name, enrolled.template))
+    def source(self, place: int) -> str:
+        """Return what a person was enrolled from."""
+        return self.enrolment(place).source
 
-    def remove(self, name: str) -> None:
-        """Take a person out."""
-        index = self.index(name)
-        self.rows.remove(index)
-        del self.sources[name]
-        del self.portraits[index : index + 1]
-
-    def restore(self, rows: StackedRows, sources: dict[str, str], templates: Iterable[Template]) -> None:
-        """Take in everybody from a file."""
-        self._rows, self.sources = rows, dict(sources)
-        self.portraits = [self._portrait(*one) for one in zip(self.names, templates, strict=False)]
+    def portrait(self, place: int) -> Portrait:
+        """Return what the default model keeps of a person; those that were asked for last stay in memory."""
+        return self._album[place]
 
     def asked(self, photo: ArrayLike, mask: ArrayLike | None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return the compared pixels of a photograph, and which of them are good, (p,) each.
@@ -135,7 +147,7 @@ class People:
 
     def light(
         self,
-        index: int,
+        place: int,
         pixels: Floats,
         good: NDArray[np.bool_],
         shift: tuple[float, float] = (0.0, 0.0),
@@ -145,11 +157,12 @@ class People:
 
         Without `ambient`, her pictures are those of linear3, which has none for ambient light.
         """
-        if self.sources[self.names[index]] not in WITH_GEOMETRY:
+        enrolled = self.enrolment(place)
+        if enrolled.source not in WITH_GEOMETRY:
             return None
         if any(shift):
             pixels, good = self.frame.moved(pixels, good, (-round(shift[0]), -round(shift[1])))
-        subspace = self.rows.subspace(index)
+        subspace = enrolled.subspace
         if not subspace.rows[:, good].any():
             return None
         if not good.all():
@@ -157,10 +170,12 @@ class People:
         coefficients = subspace.coefficients(pixels[good])
         return HarmonicLight(coefficients if ambient else np.concatenate([[0.0], coefficients]))
 
-    def _portrait(self, name: str, template: Template) -> Portrait:
-        """Return a portrait that takes its pictures from the rows of whom it shows, wherever they have moved to."""
+    def _portrait(self, place: int) -> Portrait:
+        """Return a portrait that puts a person's rows on the grid when it is asked for them."""
+        template = self.enrolment(place).template
+        assert template is not None, "the model keeps templates"
 
         def pictures() -> Floats:
-            return np.stack([self.frame.picture(row) for row in self.subspace(name).rows])
+            return np.stack([self.frame.picture(row) for row in self.subspace(place).rows])
 
         return Portrait(template, pictures, self.frame.mask)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from itertools import product
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.rows import StackedRows
-from harmonicface.recognition.subspace import unit_photo
+from harmonicface.gallery.rows import RowBlock
+from harmonicface.recognition.subspace import Subspace, unit_photo
 
 # Closeness |Q y|^2 is summed in float32; whoever is within this of the last place is examined too.
 ROUNDING = 1e-5
@@ -18,14 +20,35 @@ MASKED_ROUNDING = 1e-3
 SMALLEST_EIGENVALUE = 0.05
 DISPLACEMENTS = (-1 / 12, -1 / 24, 0.0, 1 / 24, 1 / 12)  # of the height, across and down
 
+Good = NDArray[np.bool_]
 
-def rank(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_], top: int) -> list[tuple[float, int]]:
+
+class Everybody(Protocol):
+    """Whom a photograph is compared with, by place."""
+
+    def __len__(self) -> int: ...
+
+    def subspace(self, place: int) -> Subspace:
+        """Return the subspace of one person."""
+        ...
+
+    def blocks(self) -> Iterator[RowBlock]:
+        """Yield everybody's rows, the people of each block one after the other."""
+        ...
+
+    @property
+    def rounding(self) -> float:
+        """How far |Q y|^2 may be from 1 - distance^2 because stored rows are not quite orthonormal."""
+        ...
+
+
+def rank(people: Everybody, unit: NDArray[np.float64], good: Good, top: int) -> list[tuple[float, int]]:
     """Return the `top` smallest distances and whose they are, nearest first; ties go to who was enrolled first.
 
     Parameters
     ----------
-    rows
-        Everybody's orthonormal rows over p pixels.
+    people
+        At least one, with orthonormal rows over p pixels.
     unit
         The good pixels of a photograph, of unit length.
     good
@@ -33,21 +56,23 @@ def rank(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_], 
     top
         How many, at least 1.
     """
-    whole = bool(good.all())
-    closeness = rows.closeness(unit) if whole else _masked_closeness(rows, unit, good)
+    closeness, doubt = _closeness(people, unit, good)
     last = np.partition(closeness, -top)[-top] if top < len(closeness) else -np.inf
-    candidates = np.flatnonzero(closeness >= last - (ROUNDING if whole else MASKED_ROUNDING))
-    exact = [(_distance(rows, int(index), unit, good), int(index)) for index in candidates]
+    candidates = np.flatnonzero(closeness >= last - doubt)
+    exact = [(distance(people, int(place), unit, good), int(place)) for place in candidates]
     return sorted(exact)[:top]
 
 
-def shortlist(rows: StackedRows, pixels: NDArray[np.float64], good: NDArray[np.bool_], count: int) -> NDArray[np.intp]:
+def shortlist(people: Everybody, pixels: NDArray[np.float64], good: Good, count: int) -> NDArray[np.intp]:
     """Return the `count` people nearest to a photograph, in the order of enrolment; the first ones if it is dark.
+
+    They are those of `rank`; exact distances are computed of those only who may be the last on the list or the first
+    off it.
 
     Parameters
     ----------
-    rows
-        Everybody's orthonormal rows over p pixels.
+    people
+        At least one, with orthonormal rows over p pixels.
     pixels
         The good pixels of a photograph.
     good
@@ -55,62 +80,100 @@ def shortlist(rows: StackedRows, pixels: NDArray[np.float64], good: NDArray[np.b
     count
         How many, at least 1.
     """
-    if count >= len(rows) or not pixels.any():
-        return np.arange(min(count, len(rows)))
+    if count >= len(people) or not pixels.any():
+        return np.arange(min(count, len(people)))
     unit = unit_photo(pixels, len(pixels))
-    closeness = rows.closeness(unit) if good.all() else _masked_closeness(rows, unit, good)
-    return np.sort(np.argpartition(closeness, -count)[-count:])
+    closeness, doubt = _closeness(people, unit, good)
+    return _nearest(closeness, count, doubt, lambda place: distance(people, place, unit, good))
 
 
 def displaced_shortlist(
-    rows: StackedRows, frame: Frame, pixels: NDArray[np.float64], good: NDArray[np.bool_], count: int
+    people: Everybody, frame: Frame, pixels: NDArray[np.float64], good: Good, count: int
 ) -> NDArray[np.intp]:
     """Return the `count` people nearest to a photograph that may show them displaced by up to a twelfth of its height.
 
     Parameters
     ----------
-    rows, count
+    people, count
         As for `shortlist`.
     frame
         The gallery's.
     pixels, good
         (p,) of a photograph that is not dark, and which are good.
     """
-    if count >= len(rows):
-        return np.arange(len(rows))
+    if count >= len(people):
+        return np.arange(len(people))
+    units = displaced(frame, pixels, good)
+    single = units.astype(np.float32)
+    closeness = np.concatenate([block.displaced_closeness(single) for block in people.blocks()])
+
+    def nearest(place: int) -> float:
+        subspace = people.subspace(place)
+        return min(subspace.distance(unit) for unit in units)
+
+    return _nearest(closeness, count, 2 * (ROUNDING + people.rounding), nearest)
+
+
+def displaced(frame: Frame, pixels: NDArray[np.float64], good: Good) -> NDArray[np.float64]:
+    """Return a photograph displaced by up to a twelfth of its height, (s, p) of unit length, bad pixels 0."""
     steps = [round(part * frame.shape[0]) for part in DISPLACEMENTS]
     units = []
     for right, down in product(steps, steps):
         moved, known = frame.moved(pixels, good, (right, down))
         length = float(np.linalg.norm(moved[known]))
         if length > 0:
-            units.append((moved * known / length).astype(np.float32))
-    closeness = rows.displaced_closeness(np.stack(units))
-    return np.sort(np.argpartition(closeness, -count)[-count:])
+            units.append(moved * known / length)
+    return np.stack(units)
 
 
-def _masked_closeness(rows: StackedRows, unit: NDArray[np.float64], good: NDArray[np.bool_]) -> NDArray[np.float64]:
-    r"""Return how much of a photograph everybody explains over the good pixels g: b^T G^{-1} b.
+def distance(people: Everybody, place: int, unit: NDArray[np.float64], good: Good) -> float:
+    """Return the distance of one person; who has nothing behind the mask explains nothing."""
+    subspace = people.subspace(place)
+    if good.all():
+        return subspace.distance(unit)
+    return subspace.restrict(good).distance(unit) if subspace.rows[:, good].any() else 1.0
+
+
+def _nearest(
+    closeness: NDArray[np.floating], count: int, doubt: float, exact: Callable[[int], float]
+) -> NDArray[np.intp]:
+    """Return the `count` nearest places, rising; exact distances decide where closeness is in doubt."""
+    last = np.partition(closeness, -count)[-count]
+    sure = np.flatnonzero(closeness > last + doubt)
+    rest = np.flatnonzero((closeness >= last - doubt) & (closeness <= last + doubt))
+    if len(sure) + len(rest) > count:
+        rest = np.array([place for _, place in sorted((exact(int(one)), int(one)) for one in rest)], np.intp)
+    return np.sort(np.concatenate([sure, rest[: count - len(sure)]]))
+
+
+def _closeness(people: Everybody, unit: NDArray[np.float64], good: Good) -> tuple[NDArray[np.floating], float]:
+    """Return how much of a photograph everybody explains, and how much that may differ from 1 - distance^2."""
+    if good.all():
+        found = np.concatenate([block.closeness(unit) for block in people.blocks()])
+        return found, ROUNDING + 2 * people.rounding
+    places, parts = 0, []
+    for block in people.blocks():
+        parts.append(_masked_closeness(people, block, places, unit, good))
+        places += len(block)
+    return np.concatenate(parts), MASKED_ROUNDING + 2 * people.rounding / SMALLEST_EIGENVALUE
+
+
+def _masked_closeness(
+    people: Everybody, block: RowBlock, first: int, unit: NDArray[np.float64], good: Good
+) -> NDArray[np.float64]:
+    r"""Return how much of a photograph the people of a block explain over the good pixels g: b^T G^{-1} b.
 
     b = Q_g y and G = Q_g Q_g^T = I - Q_b Q_b^T, from the bad pixels alone. Where they leave G nearly singular, the
     person is examined exactly.
     """
     photo = np.zeros(len(good))
     photo[good] = unit
-    bad = rows.array[:, ~good].astype(np.float64)
-    closeness = np.empty(len(rows))
-    for index, (part, hidden) in enumerate(zip(rows.split(rows.products(photo)), rows.split(bad), strict=True)):
+    bad = block.array[:, ~good].astype(np.float64)
+    closeness = np.empty(len(block))
+    for index, (part, hidden) in enumerate(zip(block.split(block.products(photo)), block.split(bad), strict=True)):
         values, vectors = np.linalg.eigh(np.eye(len(part)) - hidden @ hidden.T)
         if values[0] > SMALLEST_EIGENVALUE:
             closeness[index] = (np.square(part @ vectors) / values).sum()
         else:
-            closeness[index] = 1 - _distance(rows, index, unit, good) ** 2
+            closeness[index] = 1 - distance(people, first + index, unit, good) ** 2
     return closeness
-
-
-def _distance(rows: StackedRows, index: int, unit: NDArray[np.float64], good: NDArray[np.bool_]) -> float:
-    """Return the distance of one person; who has nothing behind the mask explains nothing."""
-    subspace = rows.subspace(index)
-    if good.all():
-        return subspace.distance(unit)
-    return subspace.restrict(good).distance(unit) if subspace.rows[:, good].any() else 1.0

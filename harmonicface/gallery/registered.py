@@ -66,7 +66,7 @@ class Looked:
         """Return where in a photograph one of these people was found."""
         right, down = (round(one) for one in self.verdict.shifts[place].tolist())
         whole = then(Placement(right, down).motion(people.frame.shape), self.motion)
-        return Whereabouts(people.frame, *asked, people.portraits[self.chosen[place]].template, whole)
+        return Whereabouts(people.frame, *asked, people.portrait(int(self.chosen[place])).template, whole)
 
 
 def looked_at(
@@ -89,7 +89,7 @@ def looked_at(
     """
     seen = asked if motion is STILL else people.frame.seen_through(*asked, motion)
     photo = people.photograph(*seen)
-    look = replace(second_look(photo, [people.portraits[index] for index in chosen]), charge=charge)
+    look = replace(second_look(photo, [people.portrait(place) for place in chosen.tolist()]), charge=charge)
     return Looked(chosen, judged(look, people.pixels_of_grid), photo, seen, motion)
 
 
@@ -117,7 +117,7 @@ def registered_look(people: People, asked: Asked, chosen: NDArray[np.intp], coun
     if rest.verdict.unknown(threshold) is None or len(people) == 1 or rest.verdict.blocks < FEWEST_BLOCKS:
         return rest
     pixels, good = asked
-    others = displaced_shortlist(people.rows, people.frame, pixels.astype(np.float64), good, count)
+    others = displaced_shortlist(people, people.frame, pixels.astype(np.float64), good, count)
     start = rest if np.array_equal(others, chosen) else looked_at(people, asked, others)
     if start.verdict.unknown(threshold) is None:
         return start
@@ -140,7 +140,7 @@ def _looks_elsewhere(start: Looked, people: People, asked: Asked) -> Iterator[Lo
     """Yield looks from where the photograph shows somebody, as long as that is elsewhere."""
     seen, shape = start, people.frame.shape
     for _ in range(ROUNDS):
-        found = placed(seen.photo.patterns, [people.portraits[index].template for index in seen.chosen])
+        found = placed(seen.photo.patterns, [people.portrait(place).template for place in seen.chosen.tolist()])
         if found.gain < LEAST_GAIN * np.sqrt(USUAL_BLOCKS / max(seen.verdict.blocks, 1)):
             return
         further = found.placement.scaled(people.pixels_of_grid).motion(shape)

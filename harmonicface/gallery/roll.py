@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.enrolment import Model, enrolment_of
-from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.people import People
 from harmonicface.surfaces.surface import Surface
@@ -21,18 +20,13 @@ class Roll:
     ----------
     enrolled_as
         What is made of each person.
-    mask
-        As of `Gallery`.
-
-    Raises
-    ------
-    HarmonicFaceError
-        An empty mask.
+    people
+        Who they are.
     """
 
-    def __init__(self, enrolled_as: Model, mask: ArrayLike | None = None) -> None:
+    def __init__(self, enrolled_as: Model, people: People) -> None:
         self._model = enrolled_as
-        self._people = People(None if mask is None else Frame.of(mask))
+        self._people = people
 
     @property
     def mask(self) -> NDArray[np.bool_] | None:
@@ -43,18 +37,21 @@ class Roll:
     @property
     def names(self) -> tuple[str, ...]:
         """Everybody, in the order of enrolment."""
-        return self._people.names
+        return tuple(self._people.names)
 
     @property
     def bytes_per_person(self) -> float:
-        """Memory of a person, on average: her rows, and of the default model her template and pictures on the grid."""
+        """Bytes of a person, on average: her rows, and of the default model her template and pictures on the grid.
+
+        Of a gallery in a folder, bytes on the disk.
+        """
         return self._people.nbytes / len(self) if len(self) else 0.0
 
     def __len__(self) -> int:
         return len(self._people)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._people.sources
+        return isinstance(name, str) and self._people.find(name) is not None
 
     def enroll(self, name: str, source: Surface | ArrayLike, lights: ArrayLike | None = None) -> None:
         """Add a person.
@@ -62,7 +59,7 @@ class Roll:
         Parameters
         ----------
         name
-            1 to 200 printable characters, not yet in the gallery.
+            1 to 200 printable characters without slashes, not yet in the gallery.
         source
             A Surface of the gallery's shape. Or (n, h, w) photographs: with lights, n >= 3, they are registered to
             each other and their stereo is the Surface; without, the span of the photographs (its nine strongest
@@ -80,8 +77,7 @@ class Roll:
             negative ones, NaN, nothing inside the gallery's mask, photographs that stereo cannot use; for the default
             model fewer than 24 pixels a side.
         """
-        if checked_name(name) in self:
-            raise HarmonicFaceError(f"name: expected one that is not in the gallery yet, got {name!r}, who is")
+        self._refuse_known(checked_name(name))
         self._people.add(name, enrolment_of(source, self._people.known_frame, self._model, lights))
 
     def remove(self, name: str) -> None:
@@ -94,6 +90,22 @@ class Roll:
         """
         self._people.remove(name)
 
+    def rename(self, old: str, new: str) -> None:
+        """Give a person another name; she keeps her place in the order of enrolment.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody of the old name is in the gallery, or somebody of the new one; a new name that does not print.
+        """
+        if checked_name(new) != old:
+            self._refuse_known(new)
+        self._people.rename(old, new)
+
+    def _refuse_known(self, name: str) -> None:
+        if name in self:
+            raise HarmonicFaceError(f"name: expected one that is not in the gallery yet, got {name!r}, who is")
+
     def pictures_of(self, name: str) -> Floats:
         """Return the pictures that stand for a person, (k, h, w), 0 outside the gallery's mask.
 
@@ -105,7 +117,7 @@ class Roll:
         HarmonicFaceError
             Nobody of that name is in the gallery.
         """
-        subspace = self._people.subspace(name)
+        subspace = self._people.subspace(self._people.place(name))
         images = np.linalg.pinv(subspace.to_coefficients) @ subspace.rows
         return np.stack([self._people.frame.picture(image) for image in images.astype(np.float32)])
 
@@ -117,8 +129,7 @@ class Roll:
         HarmonicFaceError
             Nobody of that name is in the gallery.
         """
-        self._people.index(name)
-        return self._people.sources[name]
+        return self._people.source(self._people.place(name))
 
     def reconstruct(self, name: str, photo: ArrayLike) -> Floats:
         """Return the picture of a person that is nearest to a photograph, (h, w), 0 outside the gallery's mask.
@@ -128,5 +139,5 @@ class Roll:
         HarmonicFaceError
             Nobody of that name, another shape, NaN or infinity.
         """
-        subspace, frame = self._people.subspace(name), self._people.frame
+        subspace, frame = self._people.subspace(self._people.place(name)), self._people.frame
         return frame.picture(subspace.nearest(frame.take(photo, "photo")))

@@ -1,8 +1,9 @@
-"""The rows of all people, stacked in one contiguous array that grows and shrinks."""
+"""The rows of many people, stacked: closeness to all of them is one product; an array of them that grows and shrinks."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,54 @@ Rows = NDArray[np.float32]
 Coefficients = NDArray[np.float64]
 
 
-class StackedRows:
-    """Orthonormal rows of people one after the other, (n, p) float32: closeness to all is one matrix product.
+class RowBlock:
+    """Orthonormal rows of people one after the other.
+
+    Parameters
+    ----------
+    array
+        (r, p) rows of everybody, float32.
+    starts
+        (n + 1,) the first row of each person, and the number of rows.
+    """
+
+    def __init__(self, array: Rows, starts: NDArray[np.intp]) -> None:
+        self._array, self._starts = array, starts
+
+    def __len__(self) -> int:
+        return len(self._starts) - 1
+
+    @property
+    def array(self) -> Rows:
+        """All rows."""
+        return self._array[: self._starts[-1]]
+
+    def rows(self, index: int) -> Rows:
+        """Return the rows of one person, without copying them."""
+        return self._array[self._starts[index] : self._starts[index + 1]]
+
+    def split(self, array: NDArray[Any]) -> list[NDArray[Any]]:
+        """Return an array that has an entry for each row, person by person, without copying it."""
+        return [array[first:last] for first, last in pairwise(self._starts.tolist())]
+
+    def products(self, unit: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Return the product of every row with a photograph, (r,)."""
+        return np.asarray(self.array @ unit.astype(np.float32))
+
+    def closeness(self, unit: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Return |Q_i y|^2 of a unit photograph y for everybody, (n,), by one product over all rows."""
+        products = self.products(unit)
+        return np.add.reduceat(np.square(products, out=products), self._starts[:-1])
+
+    def displaced_closeness(self, units: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the largest |Q_i y|^2 of some unit photographs y, (s, p), for everybody, by one pass over all rows."""
+        products = self.array @ units.T
+        np.square(products, out=products)
+        return np.asarray(np.add.reduceat(products, self._starts[:-1], axis=0).max(axis=1))
+
+
+class StackedRows(RowBlock):
+    """Rows of people in one contiguous array that grows and shrinks.
 
     The array doubles when it is full, so that n people cost O(n) copies. Memory: 4 bytes a pixel and row, and up to
     as much again in reserve.
@@ -23,23 +70,14 @@ class StackedRows:
     Parameters
     ----------
     array
-        (n, p) rows of everybody.
+        (r, p) rows of everybody.
     to_coefficients
         For each person the (r, k) matrix of her `Subspace`.
     """
 
     def __init__(self, array: Rows, to_coefficients: Iterable[Coefficients] = ()) -> None:
-        self._array = array
         self._to_coefficients = list(to_coefficients)
-        self._starts = np.cumsum([0, *(len(matrix) for matrix in self._to_coefficients)])
-
-    def __len__(self) -> int:
-        return len(self._to_coefficients)
-
-    @property
-    def array(self) -> Rows:
-        """All rows, without the reserve."""
-        return self._array[: self._starts[-1]]
+        super().__init__(array, np.cumsum([0, *(len(matrix) for matrix in self._to_coefficients)]))
 
     @property
     def to_coefficients(self) -> Sequence[Coefficients]:
@@ -48,8 +86,7 @@ class StackedRows:
 
     def subspace(self, index: int) -> Subspace:
         """Return the Subspace of one person, without copying her rows."""
-        rows = self._array[self._starts[index] : self._starts[index + 1]]
-        return Subspace(rows, self._to_coefficients[index])
+        return Subspace(self.rows(index), self._to_coefficients[index])
 
     def append(self, subspace: Subspace) -> None:
         """Add a person."""
@@ -69,22 +106,3 @@ class StackedRows:
         del self._to_coefficients[index]
         self._starts = np.delete(self._starts, index + 1)
         self._starts[index + 1 :] -= last - first
-
-    def split(self, array: NDArray[Any]) -> list[NDArray[Any]]:
-        """Return an array that has an entry for each row, person by person, without copying it."""
-        return np.split(array, self._starts[1:-1])
-
-    def products(self, unit: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Return the product of every row with a photograph, (n,)."""
-        return np.asarray(self.array @ unit.astype(np.float32))
-
-    def displaced_closeness(self, units: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the largest |Q_i y|^2 of some unit photographs y, (s, p), for everybody, by one pass over all rows."""
-        products = self.array @ units.T
-        np.square(products, out=products)
-        return np.asarray(np.add.reduceat(products, self._starts[:-1], axis=0).max(axis=1))
-
-    def closeness(self, unit: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Return |Q_i y|^2 of a unit photograph y for everybody, by one product over all rows."""
-        products = self.products(unit)
-        return np.add.reduceat(np.square(products, out=products), self._starts[:-1])

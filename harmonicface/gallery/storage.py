@@ -17,7 +17,7 @@ from harmonicface.gallery.rows import StackedRows
 from harmonicface.recognition.grid import grid
 from harmonicface.recognition.models import SUBSPACE_MODELS
 from harmonicface.recognition.patterns import SCALES, Template
-from harmonicface.store.archive import read_arrays, write_arrays
+from harmonicface.store.archive import read_about, read_arrays, write_arrays
 
 FORMAT = "harmonicface gallery"
 VERSIONS = ("1", "2", "3")  # the first knew neither templates nor the default model
@@ -59,6 +59,18 @@ def write(path: str | os.PathLike[str], contents: Contents) -> None:
         "people": list(contents.sources.items()),
     }
     write_arrays(path, arrays, {"format": FORMAT, "version": VERSIONS[-1], "about": json.dumps(about)})
+
+
+def check_kind(path: str | os.PathLike[str]) -> None:
+    """Refuse to take a file's place that is no gallery.
+
+    Raises
+    ------
+    HarmonicFaceError
+        It is none, as far as its header tells.
+    """
+    if read_about(path).get("format") != FORMAT:
+        raise HarmonicFaceError(f"save: expected a new path or a gallery's, got {path!s:.300}, a file of another kind")
 
 
 def read(path: str | os.PathLike[str]) -> Contents:

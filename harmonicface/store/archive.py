@@ -81,6 +81,15 @@ def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, NDArray[Any]], 
     return arrays, about
 
 
+def read_about(path: str | os.PathLike[str]) -> dict[str, str]:
+    """Read the words about a file's arrays, without the arrays and their checksum; none of a file of another kind."""
+    try:
+        with Path(path).open("rb") as stream:
+            return dict(_header(stream).get("__metadata__") or {})
+    except (OSError, ValueError, TypeError, RecursionError, MemoryError):
+        return {}
+
+
 def _header(stream: BinaryIO) -> dict[str, Any]:
     """Return the safetensors header: a JSON object behind its length in eight bytes."""
     size = stream.seek(0, os.SEEK_END)

@@ -117,7 +117,7 @@ class ArrayFolder(Upkeep):
         """
         return opened(self.path, self._cache, leave_out_damaged)
 
-    def append(self, entries: Iterable[Entry], shard_bytes: int = SHARD_BYTES) -> int:
+    def append(self, entries: Iterable[Entry], shard_bytes: int = SHARD_BYTES, made_for: Version | None = None) -> int:
         """Add entries behind the others.
 
         They are written by the piece of `shard_bytes`, so that memory does not grow with their number; a writer who is
@@ -129,6 +129,8 @@ class ArrayFolder(Upkeep):
             Of the folder's kinds, with new keys, finite.
         shard_bytes
             How many bytes of arrays are collected before they are written, at least 1.
+        made_for
+            Entries that were made with the folder's own arrays say with which: those of this version.
 
         Returns
         -------
@@ -139,12 +141,15 @@ class ArrayFolder(Upkeep):
         ------
         HarmonicFaceError
             An entry that does not fit, whose piece is not written, or a full disk.
+        OutdatedError
+            The folder has other arrays of its own, or other kinds, than that version.
         """
         count = 0
         for batch in batches(
             entries, read_manifest(self.path).kinds, _validate.at_least(shard_bytes, 1, "shard_bytes")
         ):
             with writing.alone(self.path, self._cache) as version:
+                writing.check_made_for(version, made_for)
                 writing.check_new(version, batch.keys)
                 writing.put(self.path, version, batch)
             count += len(batch.entries)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,9 @@ from typing import Any
 from numpy.typing import NDArray
 
 from harmonicface import _validate
+from harmonicface.errors import HarmonicFaceError
 from harmonicface.store import compaction, writing
+from harmonicface.store.batch import batches
 from harmonicface.store.entry import Entry, Kind, check_kinds
 from harmonicface.store.part import Damage
 from harmonicface.store.verification import damages
@@ -90,6 +92,46 @@ class Upkeep:
             manifest = writing.described(self.path, version.manifest, about, common)
             manifest = replace(manifest, kinds=dict(kinds or manifest.kinds), shards=())
             compaction.revise(self.path, version, manifest, change, shard_bytes)
+
+    def replace(
+        self,
+        entries: Iterable[Entry],
+        kinds: Mapping[str, Kind],
+        about: Mapping[str, Any],
+        common: Mapping[str, NDArray[Any]],
+        shard_bytes: int = SHARD_BYTES,
+    ) -> None:
+        """Put other entries in the place of all, and switch to them at once: all or nothing.
+
+        Other writers wait. It needs free space for the new entries; a process that is killed has done nothing.
+
+        Parameters
+        ----------
+        entries
+            With different keys.
+        kinds, about, common, shard_bytes
+            As of `create`, and of `append`.
+
+        Raises
+        ------
+        HarmonicFaceError
+            An entry that does not fit, a key twice, or a full disk.
+        """
+        _validate.at_least(shard_bytes, 1, "shard_bytes")
+        check_kinds(kinds)
+        with writing.alone(self.path, self._cache) as version:
+            manifest = writing.described(self.path, version.manifest, about, common)
+            manifest = replace(manifest, kinds=dict(kinds), shards=())
+            keys: set[str] = set()
+            for batch in batches(entries, kinds, shard_bytes):
+                again = keys.intersection(batch.keys)
+                if again:
+                    raise HarmonicFaceError(f"key: expected every one once, got {again.pop()!r:.80} twice")
+                keys.update(batch.keys)
+                manifest = writing.rewritten(
+                    self.path, manifest, range(len(manifest.shards), len(manifest.shards)), [batch]
+                )
+            writing.commit(self.path, manifest)
 
     def discard_damaged(self) -> tuple[Damage, ...]:
         """Remove the entries that are not what was written, and shards that cannot be opened with everybody in them.

@@ -32,6 +32,10 @@ LONGEST_ABOUT = 1 << 24
 PARTIAL = re.compile(r"\.\d{10}\.partial-\w+\.safetensors|\.manifest\.partial-\w+\.json")
 
 
+class OutdatedError(HarmonicFaceError):
+    """What was to be written was made for a version whose own arrays or kinds the folder has no more."""
+
+
 @contextmanager
 def alone(folder: Path, cache: Cache) -> Iterator[Version]:
     """Yield what the folder is while nobody else writes; files that killed writers left are removed first."""
@@ -106,6 +110,15 @@ def place_of(version: Version, key: str) -> tuple[int, int] | None:
             if index is not None:
                 return place, index
     return None
+
+
+def check_made_for(version: Version, made_for: Version | None) -> None:
+    """Refuse entries that were made with other arrays of the folder's own than it has now."""
+    if made_for is None:
+        return
+    now, then = version.manifest, made_for.manifest
+    if (now.common, now.kinds) != (then.common, then.kinds):
+        raise OutdatedError("append: expected entries made with the folder's own arrays, which have changed meanwhile")
 
 
 def check_new(version: Version, keys: Sequence[str]) -> None:

@@ -1,0 +1,106 @@
+"""The people of a gallery in memory: their rows in one array that grows and shrinks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from harmonicface.gallery.enrolment import Enrolment
+from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.layout import ORTHONORMAL
+from harmonicface.gallery.people import People
+from harmonicface.gallery.rows import RowBlock, StackedRows
+from harmonicface.recognition.patterns import Template
+
+
+class PeopleInMemory(People):
+    """Everybody, until the process ends or the gallery is saved.
+
+    Parameters
+    ----------
+    frame
+        As of `People`.
+    """
+
+    def __init__(self, frame: Frame | None = None) -> None:
+        super().__init__(frame)
+        self._rows: StackedRows | None = None
+        self._names: list[str] = []
+        self._sources: list[str] = []
+        self._templates: list[Template] = []  # of the default model
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Everybody's name."""
+        return tuple(self._names)
+
+    @property
+    def rounding(self) -> float:
+        """How far |Q y|^2 may be from 1 - distance^2: rows are rounded to float32."""
+        return ORTHONORMAL["float32"]
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of rows, templates and pictures."""
+        rows = 0 if self._rows is None else self._rows.array.nbytes
+        return rows + sum(template.nbytes for template in self._templates) + self._album.nbytes
+
+    @property
+    def _everybody(self) -> StackedRows:
+        assert self._rows is not None, "somebody is enrolled"
+        return self._rows
+
+    def find(self, name: str) -> int | None:
+        """Return the place of a person; None if nobody has that name."""
+        try:
+            return self._names.index(name)
+        except ValueError:
+            return None
+
+    def name(self, place: int) -> str:
+        """Return a person's name."""
+        return self._names[place]
+
+    def source(self, place: int) -> str:
+        """Return what a person was enrolled from."""
+        return self._sources[place]
+
+    def enrolment(self, place: int) -> Enrolment:
+        """Return what stands for a person; her rows are not copied."""
+        template = self._templates[place] if self._templates else None
+        return Enrolment(self._everybody.subspace(place), self.frame, self._sources[place], template)
+
+    def blocks(self) -> Iterator[RowBlock]:
+        """Yield everybody's rows, in one piece."""
+        yield self._everybody
+
+    def add(self, name: str, enrolled: Enrolment) -> None:
+        """Add a person, whose name is new."""
+        self.known_frame = enrolled.frame
+        if self._rows is None:
+            self._rows = StackedRows(np.empty((0, enrolled.frame.pixels), np.float32))
+        self._rows.append(enrolled.subspace)
+        self._names.append(name)
+        self._sources.append(enrolled.source)
+        if enrolled.template is not None:
+            self._templates.append(enrolled.template)
+
+    def remove(self, name: str) -> None:
+        """Take a person out; those behind her move up."""
+        place = self.place(name)
+        self._everybody.remove(place)
+        del self._names[place], self._sources[place], self._templates[place : place + 1]
+        self._album.forget()
+
+    def rename(self, old: str, new: str) -> None:
+        """Give a person another name; she keeps her place."""
+        self._names[self.place(old)] = new
+
+    def restore(self, rows: StackedRows, sources: dict[str, str], templates: Sequence[Template]) -> None:
+        """Take in everybody from a file."""
+        self._rows, self._templates = rows, list(templates)
+        self._names, self._sources = list(sources), list(sources.values())
