@@ -9,16 +9,18 @@ from __future__ import annotations
 import os
 import resource
 import tempfile
-import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, Stopwatch, best, once, record
 from harmonicface.store.entry import Entry, Kind
 from harmonicface.store.folder import ArrayFolder
+from harmonicface.store.version import Version
 
 KINDS = {"rows": Kind(np.dtype("f4"), (4096,)), "sketch": Kind(np.dtype("f2"), (128,))}
 BASE = {
@@ -51,58 +53,57 @@ def of_folder(people: int, place: Path) -> Iterator[Record]:
     """Time what a folder does, one after the other."""
     size = f"{people} people of {sum(a.nbytes for a in BASE.values())} bytes"
     folder = ArrayFolder.create(place / "folder", KINDS)
-    plain = _plain(people, place / "plain")
+    plain, _ = once(Call(partial(one_plain_file, people, place / "plain"), about="of the same bytes"))
     before = resident()
-    seconds = _seconds(lambda: folder.append(entries(0, people)))
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
-    peer = "one file of the same bytes, fsync at the end"
-    note = "bytes: how far memory rose"
-    yield Record("append many", size, seconds, bytes=peak, peer=peer, peer_seconds=plain, note=note)
+    ours, _ = once(partial(folder.append, entries(0, people)))
+    risen = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+    yield record("append many", size, ours, plain, bytes=risen, note="memory: how far it rose")
+
     nbytes = folder.version().nbytes
-    reading = _seconds(lambda: [np.sum(part.shard.arrays["rows"]) for part in folder.version().parts])
-    folder = ArrayFolder(folder.path)  # forgets what it has mapped
+    reading, _ = once(Call(partial(sums_of_rows, folder), about=f"{nbytes / 1e9:.2f} GB"))
     before = resident()
-    start = time.perf_counter()
-    version = ArrayFolder(folder.path).version()
-    seconds, grown = time.perf_counter() - start, resident() - before
-    peer = f"summing the rows of {nbytes / 1e9:.2f} GB once"
-    yield Record("open", size, seconds, bytes=grown, peer=peer, peer_seconds=reading, note=note)
-    seconds = _seconds(lambda: version.entry(f"person {people // 2}"))
-    yield Record("find one", size, seconds, note="the first time: the directories are read")
-    seconds = _seconds(folder.verify)
-    yield Record("verify", size, seconds, error=len(folder.verify()), note="error: damaged shards")
-    written = _written()
-    seconds = _seconds(lambda: [folder.append(one) for one in _ones(people)]) / SINGLE
+    ours, version = once(partial(newly_opened, folder.path))
+    yield record("open", size, ours, reading, bytes=resident() - before, note="memory: how far it rose")
+    ours, _ = once(partial(version.entry, f"person {people // 2}"))
+    yield record("find one", size, ours, note="the first time: the directories are read")
+    ours, damages = once(folder.verify)
+    yield record("verify", size, ours, error=len(damages), unit="damaged shards")
+
+    written, singles = _written(), Stopwatch(ArrayFolder.append)
+    for number in range(people, people + SINGLE):
+        singles.run(lambda number=number: folder.append(entries(number, number + 1)))
     times = (_written() - written) / (folder.version().nbytes - nbytes)
-    note = f"{len(folder.version().parts)} shards after {SINGLE}; each byte was written {times:.1f} times"
-    peer = "one plain file of one entry, fsync"
-    alone = _seconds(lambda: [_plain(1, place / "plain") for _ in range(20)]) / 20
-    yield Record("append one", size, seconds, peer=peer, peer_seconds=alone, note=note)
-    yield Record("rename one", size, _seconds(lambda: folder.rename("person 3", "somebody")))
-    yield Record("remove one", size, _seconds(lambda: folder.remove("person 4")))
-    before = resident()
-    seconds = _seconds(folder.compact)
-    note = "after that; bytes: how far memory rose"
-    yield Record("compact", size, seconds, bytes=resident() - before, note=note)
+    alone = best(Call(partial(one_plain_file, 1, place / "plain"), about="of one entry"), repeats=20)
+    note = f"mean of {SINGLE}; after them {len(folder.version().parts)} shards, each byte was written {times:.1f} times"
+    yield record("append one", size, singles.timing(np.mean), alone, note=note)
+
+    ours, _ = once(partial(folder.rename, "person 3", "somebody"))
+    yield record("rename one", size, ours)
+    ours, _ = once(partial(folder.remove, "person 4"))
+    yield record("remove one", size, ours)
+    ours, freed = once(folder.compact)
+    yield record("compact", size, ours, note=f"after that; {freed} bytes freed")
 
 
-def _plain(people: int, path: Path) -> float:
-    """Return the time of writing entries behind each other into one file."""
-    start = time.perf_counter()
+def one_plain_file(people: int, path: Path) -> None:
+    """Write entries behind each other into one file, and flush it to the disk."""
     with path.open("wb") as stream:
         for entry in entries(0, people):
             for array in entry.arrays.values():
                 stream.write(array.data)
         stream.flush()
         os.fsync(stream.fileno())
-    seconds = time.perf_counter() - start
     path.unlink()
-    return seconds
 
 
-def _ones(people: int) -> list[list[Entry]]:
-    """Return further entries one by one."""
-    return [[entry] for entry in entries(people, people + SINGLE)]
+def newly_opened(path: Path) -> Version:
+    """Open a folder as a process does that has not seen it."""
+    return ArrayFolder(path).version()
+
+
+def sums_of_rows(folder: ArrayFolder) -> list[float]:
+    """Read all rows once."""
+    return [float(np.sum(part.shard.arrays["rows"])) for part in folder.version().parts]
 
 
 def _written() -> int:
@@ -111,12 +112,5 @@ def _written() -> int:
     return int(next(line for line in lines if line.startswith("wchar")).split()[1])
 
 
-def _seconds(call: object) -> float:
-    """Return the time of a call."""
-    start = time.perf_counter()
-    call()  # type: ignore[operator]
-    return time.perf_counter() - start
-
-
 if __name__ == "__main__":
-    run_benchmark(__doc__, records, "1,000 entries instead of 10,000")
+    run_benchmark(__doc__, records, "1,000 entries instead of 10,000", seed=0)

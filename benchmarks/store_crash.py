@@ -121,9 +121,9 @@ def killed(path: Path, kills: int) -> Record:
         f"{kills} kills, {done} acknowledged entries",
         time.perf_counter() - start,
         error=lost + damaged + stray,
-        bytes=folder.version().nbytes,
-        note=f"error: {lost} entries lost or back again, {damaged} damaged, {stray} "
-        f"stray files after the next write, {left} before it; {early} entries were there before they were acknowledged",
+        unit="entries lost, back again or damaged, and stray files after the next write",
+        seed=0,
+        note=f"{left} stray files before the next write; {early} entries were there before they were acknowledged",
     )
 
 
@@ -150,8 +150,10 @@ def flipped(path: Path) -> Record:
         f"{FLIPS} bytes of a shard of {len(content)}",
         time.perf_counter() - start,
         error=missed,
-        note=f"error: flips that `verify` did not find; {alone} of them named the one person whose bytes they were, "
-        f"{nobody} struck one of the two directories, {FLIPS - alone - nobody} the header",
+        unit="flips that were not found",
+        seed=0,
+        note=f"{alone} of them named the one person whose bytes they were, {nobody} struck one of the two directories, "
+        f"{FLIPS - alone - nobody} the header",
     )
 
 
@@ -162,13 +164,12 @@ def two_writers(path: Path, seconds: float) -> Record:
     done = {who: len(writer.rest()) for who, writer in writers.items()}
     expected = kept("a", done["a"]) | kept("b", done["b"])
     lost = len(expected ^ set(folder.version().keys))
-    damaged = len(folder.verify())
     return Record(
         "two writers at once",
         f"{done['a']} and {done['b']} entries",
         time.perf_counter() - start,
-        error=lost + damaged + len(strays(folder)),
-        note=f"error: {lost} entries lost, {damaged} damaged, {len(strays(folder))} stray files",
+        error=lost + len(folder.verify()) + len(strays(folder)),
+        unit="entries lost or damaged, and stray files",
     )
 
 
@@ -197,7 +198,8 @@ def reader(path: Path, writes: int) -> Record:
         f"{writes} writes",
         time.perf_counter() - start,
         error=mixed,
-        note=f"error: versions that were mixed or changed, of {looks} opened, {len(generations)} of them different",
+        unit="versions that were mixed or changed",
+        note=f"{looks} versions opened, {len(generations)} of them different",
     )
 
 
