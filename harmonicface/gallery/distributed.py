@@ -10,6 +10,7 @@ from __future__ import annotations
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from itertools import cycle, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -19,6 +20,9 @@ from numpy.typing import NDArray
 
 from harmonicface._memory import physical_memory
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.enrolment import Enrolment, Model
+from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.promised import Promise, enrolled
 from harmonicface.gallery.search.cascade import FURTHEST, Found
 from harmonicface.gallery.share import Share, shares_of
 from harmonicface.gallery.shelf import Shelf, merged
@@ -163,6 +167,34 @@ def in_order(
             yield from _results(waiting.popleft())
     finally:
         client.cancel(list(waiting))
+
+
+def enrolments(client: Client, sources: Iterable[Promise], frame: Frame | None, model: Model) -> Iterator[Enrolment]:
+    """Yield what stands for people, in their order, made by the workers.
+
+    Parameters
+    ----------
+    client
+        Of the cluster.
+    sources
+        As of `promised.fulfilled`: those that are functions or files are made or read by the workers.
+    frame
+        The gallery's; None if the first person brings it, who is then enrolled here.
+    model
+        What the gallery makes of people.
+
+    Raises
+    ------
+    HarmonicFaceError
+        As `in_order` and `enrolment_of`.
+    """
+    left = iter(sources)
+    if frame is None:
+        for first in islice(left, 1):
+            found = enrolled(first, None, model)
+            frame = found.frame
+            yield found
+    yield from in_order(client, partial(enrolled, frame=frame, model=model), left)
 
 
 def threads_of(client: Client) -> dict[str, int]:

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,9 +17,13 @@ import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 
+import harmonicface as hf
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.distributed import AT_ONCE, Held, SharedShelf, in_order, threads_of
+from harmonicface.gallery.distributed import AT_ONCE, Held, SharedShelf, enrolments, in_order, threads_of
+from harmonicface.gallery.enrolment import Model, enrolment_of
+from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.share import shares_of
+from harmonicface.recognition.models import harmonic9
 from harmonicface.store.folder import ArrayFolder
 from tests.gallery.shelved_people import drawn, made, pairs, scan, units
 
@@ -158,6 +163,22 @@ def test_few_items_are_taken_ahead(client: Client) -> None:
     next(results)
     assert len(taken) == AT_ONCE
     results.close()
+
+
+def test_workers_enrol_as_this_process_does(client: Client, tmp_path: Path) -> None:
+    people = [hf.synthetic_person(number, 24) for number in range(10)]
+    people[4].save(tmp_path / "person.npz")
+    sources = [*people[:4], tmp_path / "person.npz", partial(hf.synthetic_person, 5, 24), *people[6:]]
+    model = Model(harmonic9, fewest=1, templates=True)
+    expected = [enrolment_of(person, Frame(np.ones((24, 24), np.bool_)), model) for person in people]
+    found = list(enrolments(client, sources, None, model))
+    assert list(enrolments(client, [], None, model)) == []
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one.subspace.rows, other.subspace.rows)
+        np.testing.assert_array_equal(one.subspace.to_coefficients, other.subspace.to_coefficients)
+        assert one.template is not None and other.template is not None
+        np.testing.assert_array_equal(one.template.values, other.template.values)
+        assert (one.source, one.frame.shape) == (other.source, (24, 24))
 
 
 def test_a_client_is_one_of_dask() -> None:
