@@ -27,7 +27,7 @@ PEOPLE = [
 
 def test_the_names() -> None:
     photographs = ("correlation", "eigenfaces", "eigenfaces_minus3", "fisherfaces", "lbph")
-    assert list(METHODS) == [*photographs, "linear3", "ambient4", "harmonic9", "default"]
+    assert list(METHODS) == [*photographs, "linear3", "ambient4", "harmonic9", "pca3", "pca5", "pca_auto", "default"]
     assert [*METHODS, "harmonic_shadowed", "harmonic_shadowed_fixed"] == list(EVERY_METHOD)
 
 
@@ -48,7 +48,7 @@ def test_methods_that_learn_from_photographs(name: str, kind: type, dropped: int
     assert getattr(made._baseline, "_drop_first", None) == dropped
 
 
-@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9", "default"])
+@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9", "pca3", "pca5", "pca_auto", "default"])
 def test_methods_that_know_the_surface(name: str) -> None:
     made = contender(name)
     assert isinstance(made, GalleryContender)
@@ -73,7 +73,8 @@ def test_everybody_is_found_in_an_enrolled_photograph(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "rows"), [("linear3", 3), ("ambient4", 4), ("harmonic9", 9), ("harmonic_shadowed_fixed", 25)]
+    ("name", "rows"),
+    [("linear3", 3), ("ambient4", 4), ("harmonic9", 9), ("pca3", 3), ("pca5", 5), ("harmonic_shadowed_fixed", 25)],
 )
 def test_memory_of_a_gallery_is_its_rows(name: str, rows: int) -> None:
     method = contender(name)

@@ -19,6 +19,7 @@ from harmonicface.recognition.estimators.linear import Ambient4, Linear3
 from harmonicface.recognition.estimators.local_patterns import LocalBinaryPatterns
 from harmonicface.recognition.estimators.nine_points import NinePointsReal, NinePointsSimulated
 from harmonicface.recognition.estimators.nonnegative_light import HarmonicNonnegative
+from harmonicface.recognition.estimators.principal import Pca3, Pca5, PcaAuto
 from harmonicface.recognition.estimators.tan_triggs import TanTriggs
 
 FROM_PHOTOGRAPHS: dict[str, Callable[..., FaceClassifier]] = {
@@ -36,6 +37,9 @@ FROM_SURFACES: dict[str, Callable[..., FaceClassifier]] = {
     "linear3": Linear3,
     "ambient4": Ambient4,
     "harmonic9": Harmonic9,
+    "pca3": Pca3,
+    "pca5": Pca5,
+    "pca_auto": PcaAuto,
     "harmonic9_nonnegative": HarmonicNonnegative,
     "harmonic_shadowed": HarmonicShadowed,
     "cone_attached": ConeAttached,
