@@ -11,6 +11,7 @@ import typer
 from harmonicface.commands.diligent import evaluate_diligent_object
 from harmonicface.commands.environment import light
 from harmonicface.commands.evaluation import bench, evaluate_yale
+from harmonicface.commands.gallery import app as gallery
 from harmonicface.commands.pictures import images
 from harmonicface.commands.recognition import enroll, match
 from harmonicface.commands.relighting import relight
@@ -32,6 +33,7 @@ evaluate = typer.Typer(help="Published protocols on data that you have.", no_arg
 evaluate.command("yale-b")(evaluate_yale)
 evaluate.command("diligent")(evaluate_diligent_object)
 app.add_typer(evaluate, name="evaluate")
+app.add_typer(gallery, name="gallery")
 
 
 def main() -> None:

@@ -14,8 +14,10 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.album import Album
 from harmonicface.gallery.enrolment import MOST_ROWS, WITH_GEOMETRY, Enrolment
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.index import LEARNED_AT, Index, sampled
 from harmonicface.gallery.portrait import Portrait
 from harmonicface.gallery.rows import RowBlock
+from harmonicface.gallery.searcher import Searcher
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.recognition.grid import grid
 from harmonicface.recognition.render_compare import Photograph
@@ -68,16 +70,29 @@ class People(ABC):
 
     @property
     @abstractmethod
+    def index(self) -> Index | None:
+        """The shared basis that was learned of them, if one was."""
+
+    @abstractmethod
+    def learn(self, sample: int, seed: int) -> None:
+        """Learn a shared basis from so many of the people, and sketch everybody in it."""
+
+    @abstractmethod
+    def searcher(self) -> Searcher | None:
+        """Return who finds people without reading everybody; None as long as they are scanned."""
+
+    @property
+    @abstractmethod
     def nbytes(self) -> int:
         """Bytes of rows, templates and what else is kept of people."""
 
     @abstractmethod
-    def add(self, name: str, enrolled: Enrolment) -> None:
-        """Add a person, whose name is new."""
+    def add(self, people: Sequence[tuple[str, Enrolment]]) -> None:
+        """Add people, at least one, whose names are new and different."""
 
     @abstractmethod
-    def remove(self, name: str) -> None:
-        """Take a person out; raises if nobody has that name."""
+    def remove(self, names: Sequence[str]) -> None:
+        """Take people out, all or none, each named once; raises if nobody has such a name."""
 
     @abstractmethod
     def rename(self, old: str, new: str) -> None:
@@ -118,6 +133,20 @@ class People(ABC):
     def portrait(self, place: int) -> Portrait:
         """Return what the default model keeps of a person; those that were asked for last stay in memory."""
         return self._album[place]
+
+    def learned(self, sample: int, seed: int) -> Index:
+        """Return a shared basis that is learned from so many of the people, or all if they are fewer."""
+        return Index.learned([self.subspace(place) for place in sampled(len(self), sample, seed)], seed)
+
+    @property
+    def room(self) -> int | None:
+        """How many people may be added before a shared basis is learned; None once there is one."""
+        return None if self.index is not None else max(LEARNED_AT - len(self), 1)
+
+    def learn_in_time(self) -> None:
+        """Learn a shared basis when there are enough people and none was learned so far."""
+        if self.index is None and len(self) >= LEARNED_AT:
+            self.learn(LEARNED_AT, 0)
 
     def asked(self, photo: ArrayLike, mask: ArrayLike | None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return the compared pixels of a photograph, and which of them are good, (p,) each.

@@ -5,34 +5,50 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.checkup import checkup
+from harmonicface.gallery.distributed import SharedShelf
 from harmonicface.gallery.enrolment import Enrolment
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.index import Index
 from harmonicface.gallery.layout import (
+    BASIS,
+    COEFFICIENTS,
     DTYPES,
     MASK,
     ROWS,
+    TEMPLATE,
     About,
     check_rows,
     enrolled_from,
     entry_of,
+    kept_rows,
 )
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.people import People
 from harmonicface.gallery.rows import RowBlock
 from harmonicface.gallery.rule import Rule
+from harmonicface.gallery.search.packing import packed
+from harmonicface.gallery.search.shared_basis import SharedBasis
+from harmonicface.gallery.searcher import Searcher
+from harmonicface.gallery.shelf import Shelf
 from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.part import Damage, Part
 from harmonicface.store.shard import Record
 from harmonicface.store.version import Version
-from harmonicface.store.whole import make_whole
+from harmonicface.store.whole import TakenError, make_whole
 from harmonicface.store.writing import OutdatedError
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 PIECE = 1 << 24  # bytes of rows that are looked at together
 
@@ -50,23 +66,34 @@ class PeopleInFolder(People):
         Of the rows of a new folder.
     frame
         Of a new folder; None until the first person brings it.
+    client
+        Of a Dask cluster, whose workers search and enrol; None for this process.
     """
 
-    def __init__(self, path: Path, rule: Rule, dtype: str = DTYPES[0], frame: Frame | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        rule: Rule,
+        dtype: str = DTYPES[0],
+        frame: Frame | None = None,
+        client: Client | None = None,
+    ) -> None:
         super().__init__(frame)
-        self.path = path
+        self.path, self.client = path, client
         self.about = About.of(rule, dtype)
         self.damaged: tuple[Damage, ...] = ()
         self.rule = rule
         self._folder: ArrayFolder | None = None
         self._version: Version | None = None
+        self._index: Index | None = None
+        self._searcher: Searcher | None = None
         self._firsts: NDArray[np.intp] = np.zeros(1, np.intp)
         self._indices: dict[int, NDArray[np.int64]] = {}
         self._defects: dict[Record, float] = {}  # of shards whose rows have been checked
         self._parts: tuple[Part, ...] = ()
 
     @classmethod
-    def opened(cls, path: Path) -> PeopleInFolder:
+    def opened(cls, path: Path, client: Client | None = None) -> PeopleInFolder:
         """Open a folder.
 
         Raises
@@ -77,7 +104,7 @@ class PeopleInFolder(People):
         folder = ArrayFolder(path)
         version = _version(folder)
         about = About.read(version, str(path))
-        people = cls(path, about.rule(), about.dtype)
+        people = cls(path, about.rule(), about.dtype, None, client)
         people._folder = folder
         people._take(version, about)
         return people
@@ -156,22 +183,56 @@ class PeopleInFolder(People):
                 rows = array[starts[first] : starts[behind]]
                 yield RowBlock(np.asarray(rows, np.float32), starts[first : behind + 1] - starts[first])
 
-    def add(self, name: str, enrolled: Enrolment) -> None:
-        """Add a person, durably."""
-        self.add_all([(name, enrolled)])
+    @property
+    def index(self) -> Index | None:
+        """The shared basis that was learned of them, if one was; it is read when it is first asked for."""
+        if self._index is None and self.about.stops:
+            basis = SharedBasis(self.version.common[BASIS])
+            self._index = Index(basis, self.about.stops, self.about.sample)
+        return self._index
 
-    def add_all(self, people: Sequence[tuple[str, Enrolment]]) -> None:
-        """Add people, durably and at once; their names are new, and there is at least one."""
-        if self._version is None:
-            self.make(people[0][1].frame, self._entries(people))
-            return
-        while True:
-            try:
-                self.folder.append(self._entries(people), made_for=self.version)
-                break
-            except OutdatedError:  # somebody has learned another shared basis
-                self.refresh()
+    def learn(self, sample: int, seed: int) -> None:
+        """Learn a shared basis from so many of the people, and write everybody anew with a sketch in it."""
         self.refresh()
+        index = self.learned(sample, seed)
+        about = replace(self.about, stops=index.stops, sample=index.sample)
+        common = {MASK: self.frame.mask, BASIS: index.basis.rows}
+        self.folder.revise(partial(_sketched, index), about.kinds(self.frame), about.words(), common)
+        self.refresh()
+
+    def searcher(self) -> Searcher | None:
+        """Return who finds people without reading everybody, on the cluster if there is one; None if they are scanned.
+
+        What a search reads first of everybody is copied into memory when it is first asked for.
+        """
+        if self._searcher is None and self.client is not None:
+            sound = replace(self.version.manifest, shards=tuple(part.listed for part in self._parts))
+            self._searcher = SharedShelf(str(self.path), self.client, sound)
+        elif self._searcher is None and self.index is not None:
+            firsts = self._firsts[:-1].tolist()
+            self._searcher = Shelf.of_parts(self._parts, firsts, self.index.basis, self.index.stops)
+        return self._searcher
+
+    def add(self, people: Sequence[tuple[str, Enrolment]]) -> None:
+        """Add people, durably and at once."""
+        while not self._added(people):  # somebody has made the folder, or learned another shared basis, meanwhile
+            self.refresh()
+        self.refresh()
+        self.learn_in_time()
+
+    def _added(self, people: Sequence[tuple[str, Enrolment]]) -> bool:
+        """Write people, unless what they are written for has changed."""
+        try:
+            if self._version is None:
+                self.make(people[0][1].frame, self._entries(people))
+            else:
+                self.folder.append(self._entries(people), made_for=self.version)
+        except TakenError:
+            self._folder = ArrayFolder(self.path)
+            return False
+        except OutdatedError:
+            return False
+        return True
 
     def make(self, frame: Frame, entries: Iterable[Entry] = ()) -> None:
         """Make the folder."""
@@ -180,11 +241,12 @@ class PeopleInFolder(People):
         self._folder = ArrayFolder(self.path)
         self.refresh()
 
-    def remove(self, name: str) -> None:
-        """Take a person out, durably."""
+    def remove(self, names: Sequence[str]) -> None:
+        """Take people out, durably and at once."""
         self.refresh()
-        self.place(name)
-        self.folder.remove(name)
+        for name in names:
+            self.place(name)
+        self.folder.remove(names)
         self.refresh()
 
     def rename(self, old: str, new: str) -> None:
@@ -193,13 +255,6 @@ class PeopleInFolder(People):
         self.place(old)
         self.folder.rename(old, new)
         self.refresh()
-
-    def demand_room(self) -> None:
-        """Refuse a path at which no folder can be made."""
-        if not _is_free(self.path):
-            raise HarmonicFaceError(
-                f"create: expected a new or an empty folder, got {self.path!s:.300}, which is there"
-            )
 
     def describe(self) -> None:
         """Keep the gallery's rule as it is now."""
@@ -210,23 +265,7 @@ class PeopleInFolder(People):
 
     def verify(self) -> tuple[Damage, ...]:
         """Read everything; say what is damaged, or not what a gallery holds."""
-        found = self.folder.verify()
-        lost = {key for damage in found for key in damage.keys}
-        files = {damage.file for damage in found if not damage.keys}
-        version = self.folder.version(leave_out_damaged=True)
-        about = About.read(version, str(self.path))
-        frame, wrong = Frame.of(version.common[MASK]), []
-        for part in version.parts:
-            for index in part.indices.tolist() if part.listed.record.file not in files else ():
-                key = part.key(index)
-                if key in lost:
-                    continue
-                try:
-                    enrolled_from(part.entry(index), frame, about.rule().by_score)
-                except HarmonicFaceError as error:
-                    wrong.append(Damage(part.listed.record.file, str(error), (key,), len(part)))
-            part.shard.forget()
-        return (*found, *wrong)
+        return checkup(self.path)
 
     def compact(self) -> int:
         """Write the files anew without what was removed."""
@@ -254,16 +293,23 @@ class PeopleInFolder(People):
             same = about.model == self.about.model and np.array_equal(frame.mask, self.frame.mask)
             if not same:
                 raise HarmonicFaceError(f"{self.path!s:.300}: expected the gallery that was opened, got another there")
+            if version.manifest.common != self._version.manifest.common:
+                self._index = None
         self.known_frame, self.about, self._version, self.damaged = frame, about, version, version.damaged
         self._parts = version.parts
         self._firsts = np.cumsum([0, *map(len, version.parts)])
-        self._indices = {}
+        self._indices, self._searcher = {}, None
         self._album.forget()
 
     def _entries(self, people: Iterable[tuple[str, Enrolment]]) -> Iterator[Entry]:
-        """Yield people as they are kept."""
-        for name, enrolled in people:
-            yield entry_of(name, enrolled, self.about.dtype)
+        """Yield people as they are kept, with sketches if there is a shared basis."""
+        pairs = list(people)
+        if self.index is None:
+            yield from (entry_of(name, enrolled, self.about.dtype) for name, enrolled in pairs)
+            return
+        sketches = self.index.sketches([kept_rows(enrolled.subspace, self.about.dtype) for _, enrolled in pairs])
+        for (name, enrolled), sketch in zip(pairs, sketches, strict=True):
+            yield entry_of(name, enrolled, self.about.dtype, packed(sketch))
 
     def _where(self, place: int) -> tuple[Part, int]:
         """Return the part in which a person is, and her index there."""
@@ -300,12 +346,11 @@ def _version(folder: ArrayFolder) -> Version:
     return version
 
 
-def _is_free(path: Path) -> bool:
-    """Tell whether nothing is there, or an empty folder."""
-    try:
-        return not path.exists() or (path.is_dir() and not any(path.iterdir()))
-    except (OSError, ValueError):  # whoever makes it says what is wrong
-        return True
+def _sketched(index: Index, entry: Entry) -> Entry:
+    """Return a person with a sketch in a shared basis."""
+    kept = {name: array for name, array in entry.arrays.items() if name in (ROWS, COEFFICIENTS, TEMPLATE)}
+    [sketch] = index.sketches([entry.arrays[ROWS]])
+    return replace(entry, arrays=kept | packed(sketch))
 
 
 def _starts(part: Part, name: str) -> NDArray[np.int64]:

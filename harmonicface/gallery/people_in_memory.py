@@ -8,9 +8,12 @@ import numpy as np
 
 from harmonicface.gallery.enrolment import Enrolment
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.index import Index
 from harmonicface.gallery.layout import ORTHONORMAL
 from harmonicface.gallery.people import People
 from harmonicface.gallery.rows import RowBlock, StackedRows
+from harmonicface.gallery.search.sketch import Sketch
+from harmonicface.gallery.searcher import Searcher, SearcherInMemory
 from harmonicface.recognition.patterns import Template
 
 
@@ -29,6 +32,9 @@ class PeopleInMemory(People):
         self._names: list[str] = []
         self._sources: list[str] = []
         self._templates: list[Template] = []  # of the default model
+        self._index: Index | None = None
+        self._sketches: list[Sketch] = []  # of everybody, once there is an index
+        self._searcher: SearcherInMemory | None = None
 
     def __len__(self) -> int:
         return len(self._names)
@@ -45,9 +51,10 @@ class PeopleInMemory(People):
 
     @property
     def nbytes(self) -> int:
-        """Memory of rows, templates and pictures."""
+        """Memory of rows, templates, sketches and pictures."""
         rows = 0 if self._rows is None else self._rows.array.nbytes
-        return rows + sum(template.nbytes for template in self._templates) + self._album.nbytes
+        templates = sum(template.nbytes for template in self._templates)
+        return rows + templates + sum(sketch.nbytes for sketch in self._sketches) + self._album.nbytes
 
     @property
     def _everybody(self) -> StackedRows:
@@ -78,22 +85,46 @@ class PeopleInMemory(People):
         """Yield everybody's rows, in one piece."""
         yield self._everybody
 
-    def add(self, name: str, enrolled: Enrolment) -> None:
-        """Add a person, whose name is new."""
-        self.known_frame = enrolled.frame
-        if self._rows is None:
-            self._rows = StackedRows(np.empty((0, enrolled.frame.pixels), np.float32))
-        self._rows.append(enrolled.subspace)
-        self._names.append(name)
-        self._sources.append(enrolled.source)
-        if enrolled.template is not None:
-            self._templates.append(enrolled.template)
+    @property
+    def index(self) -> Index | None:
+        """The shared basis that was learned of them, if one was."""
+        return self._index
 
-    def remove(self, name: str) -> None:
-        """Take a person out; those behind her move up."""
-        place = self.place(name)
-        self._everybody.remove(place)
-        del self._names[place], self._sources[place], self._templates[place : place + 1]
+    def learn(self, sample: int, seed: int) -> None:
+        """Learn a shared basis from so many of the people, and sketch everybody in it."""
+        self._index = self.learned(sample, seed)
+        rows = [self._everybody.rows(place) for place in range(len(self))]
+        self._sketches, self._searcher = list(self._index.sketches(rows)), None
+
+    def searcher(self) -> Searcher | None:
+        """Return who finds people without reading everybody; None as long as they are scanned."""
+        if self._searcher is None and self._index is not None and self._sketches:
+            self._searcher = SearcherInMemory(self._everybody, self._sketches, self._index)
+        return self._searcher
+
+    def add(self, people: Sequence[tuple[str, Enrolment]]) -> None:
+        """Add people, whose names are new."""
+        for name, enrolled in people:
+            self.known_frame = enrolled.frame
+            if self._rows is None:
+                self._rows = StackedRows(np.empty((0, enrolled.frame.pixels), np.float32))
+            self._rows.append(enrolled.subspace)
+            self._names.append(name)
+            self._sources.append(enrolled.source)
+            if enrolled.template is not None:
+                self._templates.append(enrolled.template)
+        if self._index is not None:
+            self._sketches += self._index.sketches([enrolled.subspace.rows for _, enrolled in people])
+        self._searcher = None
+        self.learn_in_time()
+
+    def remove(self, names: Sequence[str]) -> None:
+        """Take people out; those behind them move up."""
+        for place in sorted(map(self.place, names), reverse=True):
+            self._everybody.remove(place)
+            del self._names[place], self._sources[place]
+            del self._templates[place : place + 1], self._sketches[place : place + 1]
+        self._searcher = None
         self._album.forget()
 
     def rename(self, old: str, new: str) -> None:

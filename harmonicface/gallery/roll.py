@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.enrolment import Model, enrolment_of
@@ -80,15 +83,20 @@ class Roll:
         self._refuse_known(checked_name(name))
         self._people.add(name, enrolment_of(source, self._people.known_frame, self._model, lights))
 
-    def remove(self, name: str) -> None:
-        """Take a person out.
+    def remove(self, names: str | Iterable[str]) -> None:
+        """Take a person out, or several: all or none.
 
         Raises
         ------
         HarmonicFaceError
-            Nobody of that name is in the gallery.
+            Nobody of such a name is in the gallery, the same name twice, or no names.
         """
-        self._people.remove(name)
+        wanted = list(names) if isinstance(names, Iterable) and not isinstance(names, str) else [names]
+        if not all(isinstance(name, str) for name in wanted):
+            raise HarmonicFaceError(f"remove: expected names, got {_validate.describe(names)}")
+        if len(set(wanted)) < len(wanted):
+            raise HarmonicFaceError(f"remove: expected each name once, got {len(wanted)} of {len(set(wanted))} people")
+        self._people.remove(wanted)
 
     def rename(self, old: str, new: str) -> None:
         """Give a person another name; she keeps her place in the order of enrolment.

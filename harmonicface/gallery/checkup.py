@@ -1,0 +1,115 @@
+"""Checkup: everything that is wrong with a gallery on disk, whether it can be opened or not."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery import layout, storage
+from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.inventory import is_folder
+from harmonicface.store.folder import ArrayFolder
+from harmonicface.store.manifest import NAME
+from harmonicface.store.part import Damage, Part
+from harmonicface.store.plain_file import NotOpenedError
+from harmonicface.store.verification import Tell, damages
+from harmonicface.store.version import Version, opened
+
+
+def checkup(path: str | os.PathLike[str], tell: Tell = lambda *_: None) -> tuple[Damage, ...]:
+    """Read every byte of a gallery, compare it with its checksum, and look at everybody as a search would.
+
+    Parameters
+    ----------
+    path
+        Its folder, or its one file.
+    tell
+        Is called with what has been done, how much, and of how much.
+
+    Returns
+    -------
+    tuple
+        What is damaged: the file, the reason, and the names of the people in it who are lost. Empty if all is well;
+        the manifest, if without it nothing else can be read.
+
+    Raises
+    ------
+    HarmonicFaceError
+        No gallery is there, or the system does not let it be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import harmonicface as hf
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     gallery = hf.Gallery.create(place + "/people")
+    ...     gallery.enroll("ada", hf.synthetic_person(1, 24))
+    ...     checkup(place + "/people")
+    ()
+    """
+    place = Path(path)
+    try:
+        if is_folder(place):
+            return _of_folder(place, tell)
+        storage.read(place)
+    except NotOpenedError:
+        raise
+    except HarmonicFaceError as error:
+        file = place / NAME if is_folder(place) else place
+        if not os.path.lexists(file):
+            raise
+        return (Damage(file.name, str(error), (), 0),)
+    return ()
+
+
+def discard(path: str | os.PathLike[str], tell: Tell = lambda *_: None) -> tuple[Damage, ...]:
+    """Take out of a folder what is damaged, with the people who are lost by it; `compact` then removes the bytes.
+
+    Parameters, result and what is raised are those of `checkup`, which says how it was before. A damaged manifest or
+    mask stays: nobody is in a gallery without them. What is damaged in a file that is one gallery stays too.
+    """
+    found = checkup(path, tell)
+    if found and is_folder(Path(path)) and NAME not in {damage.file for damage in found}:
+        folder = ArrayFolder(path)
+        folder.discard_damaged()
+        left = folder.version(leave_out_damaged=True)
+        folder.remove({key for damage in found for key in damage.keys if key in left})
+    return found
+
+
+def _of_folder(path: Path, tell: Tell) -> tuple[Damage, ...]:
+    """Look at a folder; raises if its manifest, or what it says of the gallery, is damaged."""
+    version = opened(path, {}, leave_out_damaged=True)
+    found = damages(version, tell)
+    common = version.manifest.common
+    if common is not None and common.file in {damage.file for damage in found}:
+        return found
+    about, lost = layout.About.read(version, str(path)), {key for damage in found for key in damage.keys}
+    return (*found, *_unfit(version, about, lost, tell))
+
+
+def _unfit(version: Version, about: layout.About, lost: set[str], tell: Tell) -> Iterator[Damage]:
+    """Yield who is as she was written, but not what a gallery holds."""
+    frame, by_score, done = Frame.of(version.common[layout.MASK]), about.rule().by_score, 0
+    for part in version.parts:
+        for index in part.indices.tolist():
+            with suppress(HarmonicFaceError):  # who has no key has been told
+                key = part.key(index)
+                reason = None if key in lost else _reason(part, index, frame, by_score)
+                if reason is not None:
+                    yield Damage(part.listed.record.file, f"{part.shard.path}: {reason}", (key,), len(part))
+        part.shard.forget()
+        done += len(part)
+        tell("people looked at", done, len(version))
+
+
+def _reason(part: Part, index: int, frame: Frame, by_score: bool) -> str | None:
+    """Say why somebody cannot be in a gallery; None if she can."""
+    try:
+        layout.enrolled_from(part.entry(index), frame, by_score)
+    except HarmonicFaceError as error:
+        return str(error)
+    return None
