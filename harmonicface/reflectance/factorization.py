@@ -93,6 +93,8 @@ def factor_light_field(
     True
     """
     fields = _fields(coefficients)
+    unit = 2.0 ** np.floor(np.log2(np.abs(fields).max()))  # so that squares stay numbers; no digit changes
+    fields = fields / unit
     order = order_of(len(fields))
     noise = _validate.fraction(tolerance, "tolerance") * np.abs(fields).max()
     if np.abs(fields[0]).max() <= noise:
@@ -121,7 +123,7 @@ def factor_light_field(
         )
     if ill_posed and not allow_ill_posed:
         raise HarmonicFaceError(f"light field: {_told(ill_posed)}")
-    return Factorization(light, brdf, light_known, brdf_known, ill_posed, residual)
+    return Factorization(light, unit * brdf, light_known, brdf_known, ill_posed, residual)
 
 
 def _fields(coefficients: ArrayLike) -> Reals:

@@ -15,6 +15,7 @@ from harmonicface.errors import HarmonicFaceError
 
 BLOCK = 1 << 11  # pixels at a time: float32 products of so few, summed in float64, round to 4e-8 of the largest
 RESOLVED = 1e-6  # of the largest square: smaller ones drown in float32 products, which are then redone in float64
+SQUARED = 1e12  # brighter or darker intensities, squared and summed, come near the ends of float32
 SPARE = 3  # singular vectors beyond those asked for, among which a second pass turns the last ones right
 
 Doubles = NDArray[np.float64]
@@ -67,7 +68,8 @@ class Factors:
     def residual(self, rank: int) -> float:
         """Return the root mean square of the photographs minus their best approximation by so many factors."""
         rest = self.singular_values[rank:]
-        return float(np.sqrt((rest**2).sum() / (len(self.singular_values) * self.pixels)))
+        largest = rest.max(initial=0.0) or 1.0  # its square may be no number
+        return float(largest * np.sqrt(((rest / largest) ** 2).sum() / (len(self.singular_values) * self.pixels)))
 
     def above_noise(self, noise: float) -> int:
         """Return how many singular values stand above those of noise of a standard deviation.
@@ -79,9 +81,10 @@ class Factors:
 
     def project(self, block: ArrayLike) -> Floats:
         """Return the right factors (rank, b) of some pixels, given as the photographs have them, (n, b)."""
-        strength = np.maximum((self.left**2).sum(axis=0), np.finfo(float).tiny)
+        strength = np.maximum(self.singular_values[: self.rank], np.finfo(float).tiny)
         columns = _validate.floats(block, "block")
-        return np.asarray((self.left / strength).T.astype(columns.dtype) @ columns)
+        products = (self.left / strength).T.astype(columns.dtype) @ columns
+        return np.asarray((products / strength[:, None]).astype(columns.dtype))
 
 
 def leading_factors(photographs: ArrayLike | Iterable[Floats], rank: int) -> Factors:
@@ -133,6 +136,8 @@ def leading_factors(photographs: ArrayLike | Iterable[Floats], rank: int) -> Fac
     count = len(blocks[0])
     pixels = sum(_checked_block(block, count).shape[1] for block in blocks)
     number = _checked_rank(rank, count)
+    unit = max(_unit(block) for block in blocks) or 1.0
+    blocks = [_in_units(block, unit) for block in blocks]
     for dtype in (None, np.float64) if _resolved(blocks[0], number) else (np.float64,):
         gram = sum((_gram(block, dtype) for block in blocks), start=np.zeros((count, count)))
         _refuse_unfinite(gram)
@@ -151,25 +156,44 @@ def leading_factors(photographs: ArrayLike | Iterable[Floats], rank: int) -> Fac
     sign = np.where(vectors[:, :number].sum(axis=0) < 0, -1.0, 1.0)
     back = turn[:, :number] * sign / np.maximum(strength, np.finfo(float).tiny)
     right = np.concatenate([back.T.astype(row.dtype) @ row for row in rows], axis=1)
-    return Factors(vectors[:, :number] * sign * strength, right, np.sqrt(values), pixels)
+    return Factors(vectors[:, :number] * sign * (unit * strength), right, unit * np.sqrt(values), pixels)
 
 
 def _read_once(blocks: Iterator[Floats], rank: int) -> Factors:
     """Return the factors of blocks that come once, from float64 products."""
-    gram, pixels = np.zeros((0, 0)), 0
+    gram, pixels, unit = np.zeros((0, 0)), 0, 0.0
     for index, block in enumerate(blocks):
         matrix = _checked_block(block, len(gram) if index else None)
         if not index:
             gram = np.zeros((len(matrix), len(matrix)))
-        gram += _gram(matrix, np.float64)
+        before, unit = unit, max(unit, _unit(matrix))
+        if unit > before:  # until now everything was darker
+            gram *= (before / unit) ** 2
+        gram += _gram(_in_units(matrix.astype(np.float64, copy=False), unit or 1.0))
         pixels += matrix.shape[1]
     if not len(gram):
         raise HarmonicFaceError("photographs: expected at least one block of pixels, got none")
-    number = _checked_rank(rank, len(gram))
+    number, unit = _checked_rank(rank, len(gram)), unit or 1.0
     _refuse_unfinite(gram)
     values, vectors = _eigen(gram)
     sign = np.where(vectors[:, :number].sum(axis=0) < 0, -1.0, 1.0)
-    return Factors(vectors[:, :number] * sign * np.sqrt(values[:number]), None, np.sqrt(values), pixels)
+    singular = unit * np.sqrt(values)
+    return Factors(vectors[:, :number] * sign * singular[:number], None, singular, pixels)
+
+
+def _unit(block: Floats) -> float:
+    """Return a power of two near the largest intensity where squares would leave float32, 0 of black, and 1 of most."""
+    largest = max(float(block.max()), -float(block.min()))
+    if largest == 0:
+        return 0.0
+    if not np.isfinite(largest) or 1 / SQUARED < largest < SQUARED:
+        return 1.0
+    return float(2.0 ** np.floor(np.log2(largest)))
+
+
+def _in_units(block: Floats, unit: float) -> Floats:
+    """Return a block divided by a power of two, which changes no digit; without a copy if that is 1."""
+    return block if unit == 1 else np.asarray(block / block.dtype.type(unit))
 
 
 def _resolved(block: Floats, rank: int) -> bool:

@@ -126,7 +126,7 @@ def _of_lamps() -> Rows:
 
 
 def _two(distance: float) -> Floats:
-    return np.concatenate([LAMPS[:3], LAMPS[2:3] + [0, distance, 0]])
+    return np.concatenate([LAMPS[:3], LAMPS[2:3] + np.array([0, distance, 0])])
 
 
 def _lit(towards: Floats, factor: float = 1.0, mask: Floats | None = None, strengths: bool = True) -> Measured:

@@ -10,7 +10,8 @@ roundings of m equations in n unknowns add up as sqrt(m n) of them do, almost ne
 (Higham & Mary, A new approach to probabilistic rounding error analysis, 2019): 3 sqrt(m n) / 2 = 90 of epsilon for
 m = 400 and n = 9, and C = 100. Of solvers that state a standard error it is three of these. A row is *refused* if the
 solver ended in an error of the package, which gives the reason, or said that nothing is determined. All else is
-*wrong*: another exception, a warning, NaN, an error larger than stated.
+*wrong*: another exception, a warning, NaN, an error larger than stated, or an infinite condition where the plan says
+that the problem is well-posed.
 """
 
 from __future__ import annotations
@@ -133,15 +134,17 @@ class Outcome:
         return Record(name, f"{self.verdict}{posed}", self.seconds, self.error, note=f"{self.note}{bound}".lstrip("; "))
 
 
-def verdict_of(error: float, allowed: float) -> Verdict:
+def verdict_of(error: float, allowed: float, posed: Posed = "well") -> Verdict:
     """Return the verdict on an answer.
 
     Examples
     --------
     >>> verdict_of(1e-15, 1e-14), verdict_of(1e-3, 1e-14), verdict_of(float("nan"), 1.0)
     ('right', 'wrong', 'wrong')
+    >>> verdict_of(0.5, float("inf"), "ill"), verdict_of(0.5, float("inf"), "well")
+    ('right', 'wrong')
     """
-    return "right" if error <= allowed else "wrong"
+    return "right" if error <= allowed and (posed == "ill" or np.isfinite(allowed)) else "wrong"
 
 
 def rounded(

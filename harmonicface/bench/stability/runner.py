@@ -7,7 +7,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 
-from harmonicface.bench.stability import harmonics, inverse_light, projection
+from harmonicface.bench.stability import factorization, harmonics, inverse_light, photometric, projection
 from harmonicface.bench.stability.plan import FAMILIES
 from harmonicface.bench.stability.row import Answers, Measured, Outcome, Planned, Refused, verdict_of
 from harmonicface.errors import HarmonicFaceError
@@ -17,6 +17,10 @@ SOLVED_BY: dict[str, Callable[[], Answers]] = {
     "rotation": harmonics.of_rotations,
     "projection": projection.of_projection,
     "inverse light": inverse_light.of_inverse_light,
+    "stereo under known lights": photometric.of_known_lights,
+    "stereo under unknown lights": photometric.of_unknown_lights,
+    "factorization of photographs": factorization.of_photographs,
+    "factorization of light fields": factorization.of_light_fields,
 }
 
 
@@ -57,7 +61,7 @@ def outcome(planned: Planned, answer: Callable[[], Measured | Refused]) -> Outco
     seconds = time.perf_counter() - start
     if isinstance(found, Refused):
         return Outcome(planned, "refused", None, None, None, seconds, found.reason)
-    verdict = verdict_of(found.error, found.allowed)
+    verdict = verdict_of(found.error, found.allowed, planned.posed)
     return Outcome(planned, verdict, found.error, found.allowed, found.condition, seconds, found.note)
 
 
