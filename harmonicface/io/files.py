@@ -66,15 +66,17 @@ def alone_in(folder: str | os.PathLike[str]) -> Iterator[None]:
     Raises
     ------
     HarmonicFaceError
-        The folder is not there.
+        The folder is not there, or its file system has no locks.
     """
     try:
         handle = os.open(folder, os.O_RDONLY)
     except (OSError, ValueError) as error:
         raise HarmonicFaceError(f"expected a folder {folder!s:.300}, got none: {_reason(error)}") from None
     try:
-        if fcntl is not None:
-            fcntl.flock(handle, fcntl.LOCK_EX)
+        try:
+            _lock(handle)
+        except OSError as error:  # a file system without locks
+            raise HarmonicFaceError(f"cannot lock the folder {folder!s:.300}: {_reason(error)}") from None
         yield
     finally:
         os.close(handle)
@@ -92,7 +94,7 @@ def _remove_abandoned(folder: Path, prefix: str, suffix: str) -> None:
 
 
 def _lock(handle: int) -> None:
-    """Show other writers that this temporary file is being written."""
+    """Wait until nobody else holds the lock on a file or folder, and hold it until it is closed."""
     if fcntl is not None:
         fcntl.flock(handle, fcntl.LOCK_EX)
 

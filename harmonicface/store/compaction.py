@@ -15,7 +15,7 @@ from harmonicface.store.part import Part
 from harmonicface.store.shard import damaged_entries
 from harmonicface.store.tensors import checksum
 from harmonicface.store.version import Cache, Version, opened
-from harmonicface.store.writing import commit, is_sound, make_durable, rewritten
+from harmonicface.store.writing import commit, is_sound, make_durable, rewritten, strays
 
 
 def compact(folder: Path, cache: Cache, version: Version, shard_bytes: int) -> int:
@@ -29,6 +29,8 @@ def compact(folder: Path, cache: Cache, version: Version, shard_bytes: int) -> i
         places = range(first, first + len(group))
         commit(folder, rewritten(folder, version.manifest, places, group))
         version = opened(folder, cache, leave_out_damaged=True)
+    for one in strays(folder, version.manifest.files):
+        raise HarmonicFaceError(f"compact: expected to remove {one}, which nobody is in any more, and could not")
     make_durable(folder)  # what was removed does not come back after a loss of power
     return before - version.nbytes
 

@@ -21,7 +21,7 @@ from harmonicface.io.files import alone_in, replacing
 from harmonicface.store.batch import Batch
 from harmonicface.store.directory import key_hash
 from harmonicface.store.entry import about_text, is_finite
-from harmonicface.store.manifest import SHARD_NAME, Common, Listed, Manifest, write_manifest
+from harmonicface.store.manifest import SHARD_NAME, Common, Listed, Manifest, read_manifest, write_manifest
 from harmonicface.store.merging import taken_in
 from harmonicface.store.part import Part
 from harmonicface.store.shard import Source, damaged_entries, write_shard
@@ -38,11 +38,20 @@ class OutdatedError(HarmonicFaceError):
 
 @contextmanager
 def alone(folder: Path, cache: Cache) -> Iterator[Version]:
-    """Yield what the folder is while nobody else writes; files that killed writers left are removed first."""
+    """Yield what the folder is while nobody else writes.
+
+    Files that killed writers left are removed first; files that were written in vain, because of a full disk or an
+    entry that does not fit, afterwards.
+    """
     with alone_in(folder):
         version = opened(folder, cache, leave_out_damaged=True)
         sweep(folder, version.manifest.files)
-        yield version
+        try:
+            yield version
+        except BaseException:
+            with suppress(HarmonicFaceError):
+                sweep(folder, version.manifest.files | read_manifest(folder).files)
+            raise
 
 
 def commit(folder: Path, manifest: Manifest) -> None:
@@ -54,11 +63,16 @@ def commit(folder: Path, manifest: Manifest) -> None:
 def sweep(folder: Path, keep: set[str]) -> None:
     """Remove shards and temporary files that are not the folder's; what others put there is left alone.
 
-    A loss of power may bring them back: then the next writer removes them.
+    What cannot be removed now, or comes back after a loss of power, is removed by the next writer.
     """
-    for one in [one for one in folder.iterdir() if _is_ours(one.name) and one.name not in keep]:
-        with suppress(FileNotFoundError):
+    for one in strays(folder, keep):
+        with suppress(OSError):
             one.unlink()
+
+
+def strays(folder: Path, keep: set[str]) -> list[Path]:
+    """Return shards and temporary files that are not the folder's."""
+    return [one for one in folder.iterdir() if _is_ours(one.name) and one.name not in keep]
 
 
 def _is_ours(name: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import stat
@@ -133,4 +134,13 @@ def test_two_writers_lose_nothing(tmp_path):
 
 def test_only_a_folder_is_locked(tmp_path):
     with pytest.raises(HarmonicFaceError, match="expected a folder"), alone_in(tmp_path / "nowhere"):
+        pass
+
+
+def test_a_file_system_without_locks(tmp_path, monkeypatch):
+    def refusing(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr("fcntl.flock", refusing)
+    with pytest.raises(HarmonicFaceError, match=r"cannot lock the folder .*: No locks available"), alone_in(tmp_path):
         pass

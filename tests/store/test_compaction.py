@@ -12,7 +12,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.compaction import groups
 from harmonicface.store.entry import Entry, Kind
 from harmonicface.store.folder import ArrayFolder
-from harmonicface.store.manifest import NAME
+from harmonicface.store.manifest import NAME, SHARD_NAME
 
 
 def everything(folder) -> bytes:
@@ -194,7 +194,6 @@ def test_a_revision_that_fails_changes_nothing(filled, make) -> None:
     flip(filled.path / last.file, last.directory_start + last.directory_bytes)
     with pytest.raises(HarmonicFaceError, match="revise: expected shards without damage"):
         filled.revise(lambda entry: entry)
-    filled.rename("entry 1", "one")  # the next writer removes what was written in vain
     assert {path.name for path in filled.path.iterdir()} == before.files | {NAME}
 
 
@@ -210,3 +209,23 @@ def test_a_loss_of_power_does_not_bring_back_what_was_removed(filled, monkeypatc
     monkeypatch.setattr(os, "fsync", noted)
     filled.compact()
     assert seen[-1] == filled.version().manifest.files | {NAME}
+
+
+def test_what_cannot_be_removed_is_told(filled, monkeypatch) -> None:
+    filled.remove("entry 3")
+    file = filled.path / filled.version().parts[0].listed.record.file
+
+    real = os.unlink
+
+    def refusing(path, **more):
+        if SHARD_NAME.fullmatch(path.name):
+            raise PermissionError(errno.EACCES, "Permission denied")
+        real(path, **more)
+
+    monkeypatch.setattr(os, "unlink", refusing)
+    with pytest.raises(HarmonicFaceError, match=f"compact: expected to remove {file}, .* could not"):
+        filled.compact()
+    filled.rename("entry 4", "four")  # nobody else is in its way
+    monkeypatch.undo()
+    filled.rename("four", "entry 4")
+    assert {path.name for path in filled.path.iterdir()} == filled.version().manifest.files | {NAME}

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import multiprocessing
 import os
 import random
 import signal
 import time
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -187,6 +189,37 @@ def test_a_full_disk_changes_nothing(filled, make, monkeypatch) -> None:
     monkeypatch.undo()
     assert sorted(filled.path.iterdir()) == before
     assert len(ArrayFolder(filled.path).version()) == 21
+
+
+def test_a_disk_that_is_full_at_any_moment_changes_nothing(filled, make, monkeypatch) -> None:
+    """Refuse the first byte, the second piece, ... of everything that is written, shards and manifests."""
+    before, number, failures = sorted(filled.path.iterdir()), 30, 0
+    real_write, real_bytes = os.write, Path.write_bytes
+
+    for moment in range(10):
+        left = [moment]
+
+        def full(*arguments, left=left, real=None):
+            left[0] -= 1
+            if left[0] < 0:
+                raise OSError(errno.ENOSPC, "No space left on device")
+            return real(*arguments)
+
+        monkeypatch.setattr(os, "write", partial(full, real=real_write))
+        monkeypatch.setattr(Path, "write_bytes", lambda *arguments: full(*arguments, real=real_bytes))
+        try:
+            filled.append([make(number)])
+        except HarmonicFaceError as error:
+            failures += 1
+            assert "No space left on device" in str(error)
+            assert sorted(filled.path.iterdir()) == before
+            assert len(ArrayFolder(filled.path).version()) == 21
+        else:
+            break
+        finally:
+            monkeypatch.undo()
+    assert failures >= 5  # header, three arrays, directory, manifest
+    assert len(ArrayFolder(filled.path).version()) == 22
 
 
 class Model(RuleBasedStateMachine):
