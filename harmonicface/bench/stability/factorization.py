@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import DTypeLike
+from numpy.typing import DTypeLike, NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.bench.stability import exact
@@ -105,7 +105,7 @@ def _told_apart(factor: float = 1.0, second: float = 1.0, constant: float = 1.0,
     return Measured(error, CONSTANT * condition * unit(1.0), condition, note)
 
 
-def _in_complex_modes(field: Floats) -> Floats:
+def _in_complex_modes(field: Floats) -> NDArray[np.complexfloating]:
     """Return coefficients m of real harmonics as those of complex ones: (c_m -+ i c_-m) / sqrt 2, signs (-1)^m."""
     result = np.zeros(field.shape, np.complex128)
     for degree in range(3):
@@ -115,4 +115,4 @@ def _in_complex_modes(field: Floats) -> Floats:
             cosine, sine = field[centre + mode] / np.sqrt(2), field[centre - mode] / np.sqrt(2)
             result[centre + mode] = (-1) ** mode * (cosine - 1j * sine)
             result[centre - mode] = cosine + 1j * sine
-    return result
+    return np.asarray(result)

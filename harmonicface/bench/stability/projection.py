@@ -89,7 +89,7 @@ def _distance(pictures: Floats, photo: Floats | None = None) -> Measured:
 def _resolved(pictures: Floats) -> Floats:
     """Return pictures without those so faint beside the others that no arithmetic of this precision sees them."""
     sizes = np.abs(pictures.astype(np.float64)).max(axis=1)
-    return pictures[sizes > sizes.max() * np.finfo(pictures.dtype).eps]
+    return np.asarray(pictures[sizes > sizes.max() * np.finfo(pictures.dtype).eps])
 
 
 def _coefficients(pictures: Floats) -> Measured:

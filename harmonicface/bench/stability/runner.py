@@ -7,7 +7,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 
-from harmonicface.bench.stability import factorization, harmonics, inverse_light, photometric, projection
+from harmonicface.bench.stability import factorization, harmonics, integration, inverse_light, photometric, projection
 from harmonicface.bench.stability.plan import FAMILIES
 from harmonicface.bench.stability.row import Answers, Measured, Outcome, Planned, Refused, verdict_of
 from harmonicface.errors import HarmonicFaceError
@@ -21,6 +21,7 @@ SOLVED_BY: dict[str, Callable[[], Answers]] = {
     "stereo under unknown lights": photometric.of_unknown_lights,
     "factorization of photographs": factorization.of_photographs,
     "factorization of light fields": factorization.of_light_fields,
+    "integration": integration.of_integration,
 }
 
 

@@ -177,4 +177,5 @@ def _checked_weights(weights: ArrayLike | None, inside: Mask) -> Floats:
         raise HarmonicFaceError(f"weights: expected shape {inside.shape}, got {_validate.describe(trust)}")
     if not (_validate.finite(trust[inside], "weights") > 0).all():
         raise HarmonicFaceError(f"weights: expected numbers above 0 in the mask, got {trust[inside].min():.4g}")
-    return np.where(inside, trust, 0.0).astype(np.float64)
+    shares = trust.astype(np.float64) / trust[inside].max()  # products of very small or large numbers are none
+    return np.where(inside, np.maximum(shares, 1e-150), 0.0)
