@@ -1,31 +1,30 @@
 r"""How much of a photograph a person can explain at most, from her sketch.
 
 Let Q be an orthonormal basis of her span, (r, p), and U the shared basis, (m, p). A unit photograph is y = U^T a + z
-with U z = 0 and |z| <= rho. With C = Q U^T and the stored B, which is C rounded,
+with U z = 0 and |z| <= rho. With C = Q U^T,
 
-    Q y = C a + (Q - C U) z = B a + (C - B) a + R z,   R = Q - C U,   R R^T = I - C C^T.
+    Q y = C a + R z,   R = Q - C U,   R R^T = I - C C^T = G.
 
-Q is turned so that I - C C^T = diag(s_k^2). Then R z = S t with t = S^{-1} R z, and |t| <= |z| <= rho because S^{-1} R
-has orthonormal rows (a row with s_k = 0 is 0). The products are b = B a + rounding. With |a| <= 1 both roundings
-together are at most a known doubt delta, so
+For any number l above all eigenvalues of G, l I - R^T R is positive definite, and for any b and z
 
-    |Q y| <= max_{|t| <= rho} |b + S t| + delta.
+    |b + R z|^2 <= max_z (|b + R z|^2 - l |z|^2) + l |z|^2 = b^T K b + l |z|^2,   K = (I - G / l)^{-1}:
 
-The maximum of the square is at most V(lambda) for *any* lambda above all s_k^2 (weak duality of the trust region):
+the maximum is where (l I - R^T R) z = R^T b, and there it is |b|^2 + b^T R (l I - R^T R)^{-1} R^T b = b^T K b. So
 
-    |b + S t|^2 <= sum_k (b_k + s_k t_k)^2 + lambda (rho^2 - |t|^2)
-                <= |b|^2 + lambda rho^2 + sum_k b_k^2 s_k^2 / (lambda - s_k^2) = V(lambda),
+    |Q y|^2 <= a^T C^T K C a + l rho^2 = |N a|^2 + l rho^2,   N = K^{1/2} C.
 
-and the smallest V is the maximum itself. With lambda = max_k s_k^2 + |S b| / rho, V is at most
+This holds for *every* l, also for one that is chosen before any photograph is seen; the smallest value over l is the
+maximum over all z itself. `level` chooses l for photographs like the person's own, and N and l are kept.
 
-    |b|^2 + 2 rho |S b| + rho^2 max_k s_k^2,
+Two ways to compute it. As <N^T N, a a^T> with the few first rows of the shared basis, where it is *one* product of
+stored numbers with the products a_k a_l: this asks everybody about all photographs by one matrix product
+(`quadratic`, `features`). And as |N a|^2 with more rows.
 
-which needs one more product: `plain`. `sharp` takes a few steps of Newton's method towards the best lambda from there.
-Strong modes have small s_k: that is why both are far below the bound (|b| + rho max_k s_k)^2 of the spectral norm.
-
-Larger s_k and rho only make the bound larger, so they may be rounded up. All terms are sums, products, quotients and
-roots of numbers that are not negative, and the one difference, lambda - s_k^2, is between two stored numbers; so
-float32 errs by at most r + `OPERATIONS` units of the result, and twice as many are added.
+Rounding. Stored N differs from N by at most d in the Frobenius norm together with what float64 lost and what float32
+products lose, gamma_n = n u / (1 - n u) times the lengths; as |N a| <= n, the square errs by at most 2 d n + 3 d^2.
+The quadratic form errs by at most gamma_n |N^T N|_F. Roundings of the sums that follow are of numbers that are at most
+n^2 + l. All of it together is the doubt, a number a person that is added to her bound; nothing is left to be considered
+when photographs are compared (`whole_doubt`).
 """
 
 from __future__ import annotations
@@ -35,65 +34,81 @@ from numpy.typing import NDArray
 
 from harmonicface.gallery.search.shared_basis import UNIT_ROUNDING
 
-Array = NDArray[np.float32]
-SINGLE = np.float32(2.0**-24)
-OPERATIONS = 24  # roundings behind a bound, beside one for each row
-LEAST_GAP = np.float32(1e-6)  # so that lambda, at most about 1, differs from s^2 in float32
-TINY = np.float32(1e-30)  # above what underflow loses
+SINGLE = 2.0**-24  # the unit rounding of float32
+NOISE = 0.01  # energy of the noise that photographs are expected to have; other noise makes the bound larger, not wrong
+LEAST_GAP = 0.05  # of the largest eigenvalue, so that K is at most 21
+TINY = 1e-7
+TRIED = np.geomspace(0.2, 1, 12)
 
 
-def inflation(rank: int) -> np.float32:
-    """Return what the square of a bound over so many rows is multiplied by, for float32."""
-    return np.float32(1 + 2 * (rank + OPERATIONS) * SINGLE)
+def level(eigenvalues: NDArray[np.float64], turns: NDArray[np.float64], unseen: float) -> float:
+    r"""Return l, for which the bound is least for photographs like the person's own.
 
-
-def plain(products: Array, squares: Array, largest: Array, remainders: Array) -> tuple[Array, Array]:
-    r"""Return |b|^2 and |b|^2 + 2 rho |S b| + rho^2 max s^2, of each person.
+    Her photographs are taken to be Q^T c with E[c_k^2] falling as 1 / k^2, the strongest mode first, which is about
+    what harmonic images have under natural light, and white noise. With the eigenvectors W of G the expected bound
+    is \sum_k h_k l / (l - g_k) + l E[rho^2], h_k = (1 - g_k)^2 E[(W^T c)_k^2].
 
     Parameters
     ----------
-    products
-        (n, r, ...) b.
-    squares
-        (n, r) or (n, r, 1) s^2, broadcast against the products.
-    largest
-        (n,) or (n, 1) the largest s^2 of each person.
-    remainders
-        (n,) or (...) rho, rounded up.
+    eigenvalues, turns
+        (r,) g and (r, r) W.
+    unseen
+        Share of all directions that are not rows of the shared basis, 0 to 1.
+
+    Examples
+    --------
+    >>> round(level(np.array([0.01, 0.3]), np.eye(2), 0.9), 3)
+    0.995
     """
-    energies = np.square(products)
-    explained = _summed(energies)
-    mixed = _summed(np.multiply(energies, squares, out=energies))
-    bound = explained + 2 * remainders * np.sqrt(mixed) + np.square(remainders) * largest + TINY
-    return explained, np.asarray(bound * inflation(products.shape[1]), np.float32)
+    energies = np.arange(1, len(eigenvalues) + 1.0) ** -2
+    shares = np.square(turns).T @ (energies / energies.sum())
+    crossed = np.square(1 - eigenvalues) * shares * eigenvalues
+    left = float(eigenvalues @ shares) + NOISE * unseen + TINY
+    largest = float(eigenvalues.max())
+    # the minimum is at most here: the bound with all eigenvalues of the quotients replaced by the largest
+    gaps = np.maximum(np.sqrt(crossed.sum() / left) * TRIED, LEAST_GAP * largest + TINY)
+    expected = (crossed / (largest + gaps[:, None] - eigenvalues)).sum(axis=1) + gaps * left
+    return largest + float(gaps[expected.argmin()])
 
 
-def _summed(array: Array) -> Array:
-    """Return the sum over the second axis; numpy is slow where that is the last and short."""
-    return np.asarray(array @ np.ones(array.shape[1], np.float32) if array.ndim == 2 else array.sum(axis=1))
+def quadratic(folded: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the numbers whose product with `features` is |N a|^2: (m (m + 1) / 2,) from N, (r, m)."""
+    gram = 2 * (folded.T @ folded)
+    gram[np.diag_indices(len(gram))] /= 2
+    return np.asarray(gram[np.triu_indices(len(gram))])
 
 
-def sharp(products: Array, squares: Array, remainders: Array, steps: int = 2) -> Array:
-    """Return the least V(lambda) that a few steps find, of each person: (n,) from (n, r) b, (n, r) s^2 and (n,) rho."""
-    energies = np.square(products)
-    crossed = energies * squares
-    explained, largest = _summed(energies), squares.max(axis=1)
-    radius = np.maximum(remainders, np.float32(1e-12))
-    squared = np.square(radius)
-    beyond = np.maximum(np.sqrt(_summed(crossed)) / radius, LEAST_GAP)
-    best = np.full(len(products), np.float32(np.inf))
-    for step in range(steps + 1):
-        multiplier = largest + beyond
-        gaps = multiplier[:, None] - squares
-        quotients = crossed / gaps
-        best = np.minimum(best, explained + multiplier * squared + _summed(quotients))
-        if step < steps:
-            quotients /= gaps
-            slope = squared - _summed(quotients)
-            quotients /= gaps
-            curvature = 2 * _summed(quotients)
-            beyond = np.maximum(beyond - slope / np.maximum(curvature, TINY), np.maximum(beyond / 2, LEAST_GAP))
-    return (best + TINY) * inflation(products.shape[1])
+def features(coordinates: NDArray[np.float32], left: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return a_k a_l for k <= l, then rho^2 and 1: (m (m + 1) / 2 + 2, q) from (m, q) and (q,)."""
+    first, second = np.triu_indices(len(coordinates))
+    products = coordinates[first] * coordinates[second]
+    return np.concatenate([products, left[None], np.ones((1, len(left)), np.float32)])
+
+
+def whole_doubt(lost: float, longest: float, beside: float, operations: int, highest: float) -> float:
+    """Return what must be added to a bound for all rounding.
+
+    Parameters
+    ----------
+    lost
+        d, how far |N a| may be from what is computed.
+    longest
+        n, the most that |N a| can be.
+    beside
+        What the square may be wrong by, beside.
+    operations
+        Roundings of the sums after the products.
+    highest
+        l.
+    """
+    square = 2 * lost * longest + 3 * lost**2 + beside
+    return 1.01 * (square + operations * SINGLE * ((longest + lost) ** 2 + highest + square)) + 1e-30
+
+
+def gamma(operations: int) -> float:
+    """Return what so many roundings of float32 in a row lose at most, relative to what is summed."""
+    loss = operations * SINGLE
+    return loss / (1 - loss) if loss < 1 else float("inf")
 
 
 def least_closeness(distance: float, pixels: int, rank: int) -> float:

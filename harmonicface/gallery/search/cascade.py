@@ -1,23 +1,23 @@
-"""One photograph: everybody's bound from a few numbers, fewer people's from more, the last ones' exact distances."""
+"""The exact search: everybody's bound by one product, fewer people's better bounds, the last ones' exact distances."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.gallery.search import bound
-from harmonicface.gallery.search.crowd import EVERYBODY, Array, Company, Indices
+from harmonicface.gallery.search.crowd import Array, Company, Indices
 from harmonicface.gallery.search.limit import Limit
 from harmonicface.gallery.search.pixels import Pixels
-from harmonicface.gallery.search.shared_basis import OneOf, Question, SharedBasis
+from harmonicface.gallery.search.shared_basis import Question, SharedBasis
+from harmonicface.gallery.search.sketch import form_columns
 
-PROBED = 2  # people who are measured at each stage beside those asked for, to lower the limit early
-FORESEEN = 64  # people whom the second stage sees before the first one excludes anybody
+FORESEEN = 32  # people of whom the first stage is asked before anybody is excluded, beside four for each place
 FURTHEST = 1.0  # no distance is larger
+Units = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Found:
     distances
         Of each, as `Subspace.distance`.
     survivors
-        How many people no bound had excluded after each stage; later stages are left out when reading the pixels of
-        those who are left is cheaper.
+        How many people no bound had excluded after the quadratic form and after each stage; later stages are left out
+        when reading the pixels of those who are left is cheaper.
     measured
         Of how many people the exact distance was computed.
     """
@@ -45,46 +45,38 @@ class Found:
 
 @dataclass
 class Suspects:
-    """Those of a company whom no bound has excluded so far."""
+    """Those of a company whom not all photographs exclude.
+
+    Parameters
+    ----------
+    company
+        Theirs.
+    chosen
+        (n,) indices, rising.
+    bounds
+        (n, q) of |Q y|^2.
+    kept
+        (n, q) whom no bound excludes for which photograph.
+    """
 
     company: Company
     chosen: Indices
-    products: Array
-    explained: Array
     bounds: Array
+    kept: NDArray[np.bool_]
 
-    def ask_again(self, stage: int, coordinates: Array, remainder: NDArray[np.float32]) -> None:
-        """Compute the bounds of a later stage."""
-        self.products = self.company.next_products(stage, self.chosen, self.products, coordinates)
-        squares = self.company.squares[stage][self.chosen]
-        self.explained, self.bounds = bound.plain(
-            self.products, squares, self.company.largest[stage][self.chosen], remainder
-        )
-
-    def exclude(self, stage: int, remainder: NDArray[np.float32], limit: Limit) -> None:
-        """Keep those whose bound reaches the limit: first by the plain bound, then by the sharp one."""
-        doubts = self.company.doubts[stage]
-        self.keep(reaches(self.bounds, doubts[self.chosen], limit.closeness))
-        squares = self.company.squares[stage][self.chosen]
-        self.bounds = np.minimum(self.bounds, bound.sharp(self.products, squares, remainder))
-        self.keep(reaches(self.bounds, doubts[self.chosen], limit.closeness))
-
-    def keep(self, kept: NDArray[np.bool_]) -> None:
-        """Forget the others."""
-        self.chosen, self.products = self.chosen[kept], self.products[kept]
-        self.explained, self.bounds = self.explained[kept], self.bounds[kept]
-
-    @property
-    def people(self) -> Indices:
-        """Their places in the order of enrolment."""
-        return self.company.people[self.chosen]
+    def exclude(self, closeness: Array) -> None:
+        """Keep those whose bound reaches what is asked for."""
+        self.kept &= self.bounds >= closeness
+        some = self.kept.any(axis=1)
+        if not some.all():
+            self.chosen, self.bounds, self.kept = self.chosen[some], self.bounds[some], self.kept[some]
 
 
 def search(
     companies: Sequence[Company],
     pixels: Pixels,
     basis: SharedBasis,
-    unit: NDArray[np.float64],
+    unit: Units,
     top: int | None = 1,
     distance: float = FURTHEST,
 ) -> Found:
@@ -93,7 +85,7 @@ def search(
     Parameters
     ----------
     companies
-        Everybody, from `crowd`.
+        Everybody, from `crowd` or `packing.companies_of`.
     pixels
         Everybody's rows.
     basis
@@ -105,52 +97,77 @@ def search(
     distance
         Nobody farther than this, 0 to 1.
     """
-    question = Question(basis, unit)
-    first = companies[0].stops[0]
-    rest, coordinates = question.remainder(first), question.coordinates(first)
-    suspects = [begin(company, np.arange(len(company.people)), coordinates, rest) for company in companies]
-    limit = new_limit(companies, pixels, unit, top, distance)
-    if top is not None:
-        foresee(companies, [some.explained for some in suspects], question, limit, top)
-    for some in suspects:
-        some.exclude(0, rest, limit)
-    return descend(suspects, question, limit, pixels, unit, top)
+    return search_many(companies, pixels, basis, unit[None], top, distance)[0]
 
 
-def new_limit(
-    companies: Sequence[Company], pixels: Pixels, unit: NDArray[np.float64], top: int | None, distance: float
-) -> Limit:
-    """Return the limit of a search that has just begun."""
-    rank = max(company.rank for company in companies)
-    return Limit(top, distance, lambda person: pixels.distance(person, unit), pixels.size, rank)
-
-
-def descend(
-    suspects: Sequence[Suspects],
-    question: Question | OneOf,
-    limit: Limit,
+def search_many(
+    companies: Sequence[Company],
     pixels: Pixels,
-    unit: NDArray[np.float64],
-    top: int | None,
-) -> Found:
-    """Take those whom the first stage leaves through the later ones."""
-    stops = suspects[0].company.stops
-    survivors = [sum(len(some.chosen) for some in suspects)]
-    for stage in range(1, len(stops)):
-        if not _pays(suspects, stops[stage] - stops[stage - 1]):
+    basis: SharedBasis,
+    units: Units,
+    top: int | None = 1,
+    distance: float = FURTHEST,
+) -> list[Found]:
+    """Find the people nearest to each of several photographs: the answers of `search`, by products of all with all.
+
+    It keeps a few bytes for each person and photograph: ask for a few hundred photographs at a time.
+
+    Parameters
+    ----------
+    companies, pixels, basis, top, distance
+        As for `search`.
+    units
+        (q, p) photographs of unit length.
+    """
+    question, stops = Question(basis, units), companies[0].stops
+    limits = _limits(companies, pixels, units, top, distance)
+    count = form_columns(stops)
+    asked = bound.features(question.coordinates(count), question.left(count))
+    everybody = [company.forms @ asked for company in companies]
+    if top is not None:
+        _foresee(companies, everybody, question, limits, top)
+    closeness = _needed(limits)
+    suspects = []
+    for company, bounds in zip(companies, everybody, strict=True):
+        kept = bounds >= closeness
+        chosen = np.flatnonzero(kept.any(axis=1))
+        suspects.append(Suspects(company, chosen, bounds[chosen], kept[chosen]))
+    survivors = [_counted(suspects)]
+    for stage, stop in enumerate(stops):
+        if not _pays(suspects, stop - (stops[stage - 1] if stage else 0)):
             break
-        rest, coordinates = question.remainder(stops[stage]), question.coordinates(stops[stage])
         for some in suspects:
-            some.ask_again(stage, coordinates, rest)
+            found = some.company.bounds(stage, some.chosen, question.coordinates(stop), question.left(stop))
+            some.bounds = np.minimum(some.bounds, found, out=found)
         if top is not None:
-            _probe(suspects, limit, top + PROBED)
+            _measure_likeliest([(one.company.people[one.chosen], one.bounds) for one in suspects], limits, top)
         for some in suspects:
-            some.exclude(stage, rest, limit)
-        survivors.append(sum(len(some.chosen) for some in suspects))
-    _examine(suspects, len(survivors) - 1, pixels, unit, limit)
-    answer = limit.answer()
-    people, distances = tuple(who for _, who in answer), tuple(distance for distance, _ in answer)
-    return Found(people, distances, tuple(survivors), len(limit.measured))
+            some.exclude(_needed(limits))
+        survivors.append(_counted(suspects))
+    _examine(suspects, limits, pixels, units)
+    return [_answered(limit, counts) for limit, counts in zip(limits, zip(*survivors, strict=True), strict=True)]
+
+
+def _limits(
+    companies: Sequence[Company], pixels: Pixels, units: Units, top: int | None, distance: float
+) -> list[Limit]:
+    """Return the limit of each photograph."""
+    rank = max(company.rank for company in companies)
+
+    def measured(unit: Units) -> Limit:
+        return Limit(top, distance, lambda person: pixels.distance(person, unit), pixels.size, rank)
+
+    return [measured(unit) for unit in units]
+
+
+def _needed(limits: Sequence[Limit]) -> Array:
+    """Return the |Q y|^2 that a bound must reach for each photograph, rounded down."""
+    return np.nextafter(np.array([limit.closeness for limit in limits], np.float32), np.float32(-np.inf))
+
+
+def _counted(suspects: Sequence[Suspects]) -> list[int]:
+    """Return how many people are left for each photograph."""
+    return [int(count) for count in sum(np.count_nonzero(some.kept, axis=0) for some in suspects)]
 
 
 def _pays(suspects: Sequence[Suspects], columns: int) -> bool:
@@ -158,62 +175,50 @@ def _pays(suspects: Sequence[Suspects], columns: int) -> bool:
     return sum(len(some.chosen) * some.company.rank for some in suspects) > 2 * columns
 
 
-def begin(company: Company, chosen: Indices, coordinates: Array, remainder: NDArray[np.float32]) -> Suspects:
-    """Return people of a company with the bounds of the first stage."""
-    everybody = len(chosen) == len(company.people)
-    products = company.first_products(coordinates, EVERYBODY if everybody else chosen)
-    squares, largest = company.squares[0], company.largest[0]
-    if not everybody:
-        squares, largest = squares[chosen], largest[chosen]
-    return Suspects(company, chosen, products, *bound.plain(products, squares, largest, remainder))
-
-
-def foresee(
-    companies: Sequence[Company], explained: Sequence[Array], question: Question | OneOf, limit: Limit, top: int
+def _foresee(
+    companies: Sequence[Company], everybody: Sequence[Array], question: Question, limits: Sequence[Limit], top: int
 ) -> None:
-    """Lower the limit by those who look likeliest at the first stage, and of these at the second."""
-    stops = companies[0].stops
-    coordinates, rest = question.coordinates(stops[0]), question.remainder(stops[0])
-    likely = zip(companies, _likeliest(explained, FORESEEN + 4 * top), strict=True)
-    ahead = [begin(company, chosen, coordinates, rest) for company, chosen in likely]
-    if len(stops) > 1 and _pays(ahead, stops[1] - stops[0]):
-        coordinates, rest = question.coordinates(stops[1]), question.remainder(stops[1])
-        for some in ahead:
-            some.ask_again(1, coordinates, rest)
-    _probe(ahead, limit, top + PROBED)
+    """Lower the limits by those who look likeliest to the quadratic form, and of these to the first stage."""
+    stop = companies[0].stops[0]
+    coordinates, left = question.coordinates(stop), question.left(stop)
+    ahead = []
+    for company, bounds in zip(companies, everybody, strict=True):
+        count = min(FORESEEN + 4 * top, len(bounds))
+        likely = [np.argpartition(one, -count)[-count:] for one in np.ascontiguousarray(bounds.T)]
+        chosen = np.unique(np.concatenate(likely))
+        ahead.append((company.people[chosen], company.bounds(0, chosen, coordinates, left)))
+    _measure_likeliest(ahead, limits, top)
 
 
-def _likeliest(explained: Sequence[Array], count: int) -> list[Indices]:
-    """Return, of each company, those among the people of whom most is explained."""
-    together = np.concatenate(explained)
-    count = min(count, len(together))
-    chosen = np.sort(np.argpartition(together, -count)[-count:]) if count else np.empty(0, np.intp)
-    starts = np.cumsum([0, *(len(some) for some in explained)])
-    return [chosen[(chosen >= a) & (chosen < b)] - a for a, b in pairwise(starts)]
-
-
-def _probe(suspects: Sequence[Suspects], limit: Limit, count: int) -> None:
-    """Measure the likeliest people, so that the limit is low before anybody is examined."""
-    for some, chosen in zip(suspects, _likeliest([some.explained for some in suspects], count), strict=True):
-        for person in some.people[chosen]:
+def _measure_likeliest(some: Sequence[tuple[Indices, Array]], limits: Sequence[Limit], top: int) -> None:
+    """Measure the people with the highest bounds for each photograph, so that its limit is low early."""
+    people = np.concatenate([who for who, _ in some])
+    together = np.concatenate([bounds for _, bounds in some]).T
+    for limit, bounds in zip(limits, np.ascontiguousarray(together), strict=True):
+        count = min(top, len(bounds))
+        for person in people[np.argpartition(bounds, -count)[-count:]] if count else ():
             limit.measure(int(person))
 
 
-def reaches(bounds: Array, doubts: Array, closeness: float | NDArray[np.float64]) -> NDArray[np.bool_]:
-    r"""Return where (\sqrt{bound} + doubt)^2, with float32's rounding, is at least the closeness."""
-    least = np.sqrt(np.maximum(closeness, 0.0)) * (1 - 8 * float(bound.SINGLE))
-    return np.asarray(np.sqrt(bounds) + doubts >= np.asarray(least, np.float32))
-
-
-def _examine(suspects: Sequence[Suspects], stage: int, pixels: Pixels, unit: NDArray[np.float64], limit: Limit) -> None:
-    """Look at the pixels of those who are left, the likeliest first."""
-    people = np.concatenate([some.people for some in suspects])
-    lengths = [np.sqrt(some.bounds) + some.company.doubts[stage][some.chosen] for some in suspects]
-    bounds = np.square(np.concatenate(lengths).astype(np.float64)) * (1 + 8 * float(bound.SINGLE))
-    single = unit.astype(np.float32)[:, None]
-    for index in np.argsort(-bounds, kind="stable"):
-        if bounds[index] < limit.closeness:
-            break
+def _examine(suspects: Sequence[Suspects], limits: Sequence[Limit], pixels: Pixels, units: Units) -> None:
+    """Look at the pixels of those who are left, the likeliest first, each once for all photographs."""
+    people = np.concatenate([some.company.people[some.chosen] for some in suspects])
+    bounds = np.concatenate([np.where(some.kept, some.bounds, -np.inf) for some in suspects])
+    single, needed = np.ascontiguousarray(units.T, np.float32), _needed(limits)
+    for index in np.argsort(-bounds.max(axis=1), kind="stable"):
         person = int(people[index])
-        if person not in limit.measured and pixels.closeness(person, single)[0] >= limit.closeness:
-            limit.measure(person)
+        reaching = np.flatnonzero(bounds[index] >= needed).tolist()
+        asked = [number for number in reaching if person not in limits[number].measured]
+        if not asked:
+            continue
+        for number, reached in zip(asked, pixels.closeness(person, single[:, asked]), strict=True):
+            if reached >= limits[number].closeness:
+                limits[number].measure(person)
+                needed[number] = _needed(limits[number : number + 1])[0]
+
+
+def _answered(limit: Limit, survivors: Sequence[int]) -> Found:
+    """Return the answer of a limit."""
+    answer = limit.answer()
+    people, distances = tuple(who for _, who in answer), tuple(distance for distance, _ in answer)
+    return Found(people, distances, tuple(survivors), len(limit.measured))

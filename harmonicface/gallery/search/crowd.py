@@ -14,7 +14,7 @@ from harmonicface.gallery.search.sketch import Sketch
 
 Array = NDArray[np.float32]
 Indices = NDArray[np.intp]
-EVERYBODY = slice(None)
+BLOCK = 1 << 20  # numbers that are looked at together, about what a processor's cache holds
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,26 +25,21 @@ class Company:
     ----------
     people
         (n,) their places in the order of enrolment.
+    forms
+        (n, k + 2) float32: the quadratic form of each, then its level and its doubt.
     numbers
-        For each stage (n, r, columns) float32: the columns that it adds; of the later stages they may stay in files.
-    turns
-        For each stage but the first (n, r, r) float32, or (n, r^2) in files.
-    squares
-        For each stage (n, r) float32.
-    largest
-        For each stage (n,) float32: the largest of the squares.
-    doubts
-        For each stage (n,) float32.
+        For each stage (n, r, columns), float32 in memory, or wherever they are in files.
+    levels, doubts
+        (n, stages) float32: of each stage.
     stops
         How many rows of the shared basis each stage has seen.
     """
 
     people: Indices
+    forms: Array
     numbers: tuple[Array | Gathered, ...]
-    turns: tuple[Array | Gathered, ...]
-    squares: tuple[Array, ...]
-    largest: tuple[Array, ...]
-    doubts: tuple[Array, ...]
+    levels: Array
+    doubts: Array
     stops: tuple[int, ...]
 
     @property
@@ -52,19 +47,49 @@ class Company:
         """How many rows each of them has."""
         return int(self.numbers[0].shape[1])
 
-    def first_products(self, coordinates: Array, chosen: Indices | slice = EVERYBODY) -> Array:
-        """Return b of the first stage: (n, r) from (m,) coordinates, (n, r, q) from (m, q)."""
-        numbers = self.numbers[0][chosen]
-        flat = numbers.reshape(-1, numbers.shape[2]) @ coordinates[: self.stops[0]]
-        return np.asarray(flat.reshape(len(numbers), self.rank, *coordinates.shape[1:]))
+    @property
+    def nbytes(self) -> int:
+        """Bytes in memory."""
+        kept = [some.nbytes for some in self.numbers if isinstance(some, np.ndarray)]
+        return sum(kept) + self.people.nbytes + self.forms.nbytes + self.levels.nbytes + self.doubts.nbytes
 
-    def next_products(self, stage: int, chosen: Indices, products: Array, coordinates: Array) -> Array:
-        """Return b of a later stage for chosen people from that of the stage before; shapes as of the first."""
-        start, stop = self.stops[stage - 1 : stage + 1]
-        added = self.numbers[stage][chosen].reshape(-1, stop - start) @ coordinates[start:stop]
-        turns = self.turns[stage - 1][chosen].reshape(-1, self.rank, self.rank)
-        turned = turns @ products if products.ndim == 3 else np.einsum("nkl,nl->nk", turns, products)
-        return np.asarray(turned + added.reshape(products.shape))
+    def bounds(self, stage: int, chosen: Indices, coordinates: Array, left: Array) -> Array:
+        """Return bounds of |Q y|^2 of chosen people, (n,) rising, at a stage: (n, q).
+
+        Parameters
+        ----------
+        stage
+            From 0.
+        chosen
+            (n,) indices, rising.
+        coordinates
+            (columns, q) of the photographs.
+        left
+            (q,) the squared lengths that the shared basis leaves over of them.
+        """
+        asked, found = coordinates.shape[1], np.empty((len(chosen), coordinates.shape[1]), np.float32)
+        step = max(1, BLOCK // (self.rank * (len(coordinates) + asked)))
+        for start in range(0, len(chosen), step):
+            some = chosen[start : start + step]
+            found[start : start + step] = self._squares(self.numbers[stage], some, coordinates)
+        rest = self.levels[chosen, stage, None] * left
+        rest += self.doubts[chosen, stage, None]
+        found += rest
+        return found
+
+    def _squares(self, numbers: Array | Gathered, some: Indices, coordinates: Array) -> Array:
+        """Return |N a|^2 of some people; where most of their neighbours are asked too, nothing is copied."""
+        first, behind = int(some[0]), int(some[-1]) + 1
+        together = behind - first < 2 * len(some)
+        taken = numbers[first:behind] if together else numbers[some]
+        products = taken.reshape(-1, taken.shape[2]) @ coordinates
+        if coordinates.shape[1] == 1:
+            flat = products.reshape(len(taken), self.rank)
+            squares = np.einsum("nr,nr->n", flat, flat)[:, None]
+        else:
+            products = products.reshape(len(taken), self.rank, -1)
+            squares = np.einsum("nrq,nrq->nq", products, products)
+        return np.asarray(squares[some - first] if together and len(squares) > len(some) else squares)
 
 
 def crowd(sketches: Sequence[Sketch], columns: Sequence[int]) -> tuple[Company, ...]:
@@ -84,23 +109,21 @@ def crowd(sketches: Sequence[Sketch], columns: Sequence[int]) -> tuple[Company, 
     """
     stops = tuple(columns)
     for one in sketches:
-        if one.numbers.shape[1] != stops[-1] or len(one.squares) != len(stops):
-            expected = f"stages of {stops} columns"
-            raise HarmonicFaceError(f"sketches: expected {expected}, got {len(one.squares)} of {one.numbers.shape[1]}")
-    ranks = np.array([len(one.numbers) for one in sketches], np.intp)
+        if one.stops != stops:
+            raise HarmonicFaceError(f"sketches: expected stages of {stops} columns, got {one.stops}")
+    ranks = np.array([len(one.numbers[0]) for one in sketches], np.intp)
     return tuple(_company(np.flatnonzero(ranks == rank), sketches, stops) for rank in np.unique(ranks))
 
 
 def _company(people: Indices, sketches: Sequence[Sketch], stops: tuple[int, ...]) -> Company:
     """Stack the sketches of people of one rank."""
     chosen = [sketches[index] for index in people]
-    spans = list(zip((0, *stops[:-1]), stops, strict=True))
-    return Company(
-        people,
-        tuple(np.stack([one.numbers[:, a:b] for one in chosen]).astype(np.float32) for a, b in spans),
-        tuple(np.stack([one.turns[stage] for one in chosen]) for stage in range(len(stops) - 1)),
-        tuple(np.stack([one.squares[stage] for one in chosen]) for stage in range(len(stops))),
-        tuple(np.stack([one.squares[stage].max() for one in chosen]) for stage in range(len(stops))),
-        tuple(np.stack([one.doubts[stage] for one in chosen]) for stage in range(len(stops))),
-        stops,
-    )
+    levels, doubts = np.stack([one.levels for one in chosen]), np.stack([one.doubts for one in chosen])
+    numbers = [np.stack([one.numbers[stage] for one in chosen]).astype(np.float32) for stage in range(len(stops))]
+    forms = stacked_forms(np.stack([one.form for one in chosen]), levels, doubts)
+    return Company(people, forms, tuple(numbers), levels[:, 1:].copy(), doubts[:, 1:].copy(), stops)
+
+
+def stacked_forms(forms: Array, levels: Array, doubts: Array) -> Array:
+    """Return (n, k + 2) forms with their levels and doubts, which `bound.features` are multiplied with."""
+    return np.concatenate([forms, levels[:, :1], doubts[:, :1]], axis=1)

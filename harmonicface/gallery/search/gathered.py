@@ -39,19 +39,23 @@ class Gathered:
         return self._people
 
     def __getitem__(self, chosen: Indices | slice) -> NDArray[Any]:
-        """Return (n, rank, *shape) rows of chosen people."""
+        """Return (n, rank, *shape) rows of chosen people, who are asked for in rising order."""
         if isinstance(chosen, slice):
-            chosen = np.arange(len(self))[chosen]
-        if len(self._arrays) == 1:
-            return self._taken(0, chosen)
-        result = np.empty((len(chosen), *self.shape[1:]), self._dtype)
-        where = np.searchsorted(self._first, chosen, side="right") - 1
-        for number in np.unique(where).tolist():
-            here = where == number
-            result[here] = self._taken(number, chosen[here] - self._first[number])
-        return result
+            chosen = np.arange(self._people)[chosen]
+        edges = np.searchsorted(chosen, self._first)
+        parts = [
+            self._taken(number, chosen[edges[number] : edges[number + 1]] - self._first[number])
+            for number in np.flatnonzero(np.diff(edges)).tolist()
+        ]
+        if len(parts) == 1:
+            return parts[0]
+        return np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self._dtype)
 
     def _taken(self, number: int, chosen: Indices) -> NDArray[Any]:
-        """Return rows of people of one array."""
-        rows = self._starts[number][chosen][:, None] + np.arange(self._rank)
-        return np.asarray(self._arrays[number][rows], self._dtype)
+        """Return rows of people of one array; of neighbours, what is there already."""
+        starts, array = self._starts[number][chosen], self._arrays[number]
+        if starts[-1] - starts[0] == self._rank * (len(starts) - 1):
+            taken = array[starts[0] : starts[-1] + self._rank].reshape(len(chosen), *self.shape[1:])
+        else:
+            taken = array[starts[:, None] + np.arange(self._rank)]
+        return np.asarray(taken, self._dtype)

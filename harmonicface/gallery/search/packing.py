@@ -10,21 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.search.crowd import Company, Indices
+from harmonicface.gallery.search.crowd import Company, Indices, stacked_forms
 from harmonicface.gallery.search.gathered import Gathered
-from harmonicface.gallery.search.sketch import DTYPES, Sketch
+from harmonicface.gallery.search.sketch import DTYPES, Sketch, form_columns
 
 Arrays = dict[str, NDArray[Any]]
-NUMBERS, TURNS, SQUARES, DOUBTS, DEFECT = (
-    f"sketch_{name}" for name in ("numbers", "turns", "squares", "doubts", "defect")
-)
+FORM, NUMBERS, LEVELS, DOUBTS, DEFECT = (f"sketch_{name}" for name in ("form", "numbers", "levels", "doubts", "defect"))
 
 
 def sketch_kinds(stops: Sequence[int], dtype: str = "float32") -> dict[str, tuple[np.dtype[Any], tuple[int, ...]]]:
     """Return the arrays that keep a sketch: by name the type and the shape of one row.
 
-    A person has r rows of the numbers of each stage, (stages - 1) r^2 of the turns, stages r of the squares, as many
-    doubts as stages and one defect; nothing of any of them if she is not sketched.
+    A person has one row of the form, r rows of the numbers of each stage, one level and one doubt of the form and of
+    each stage, and one defect; nothing of any of them if she is not sketched.
 
     Parameters
     ----------
@@ -41,16 +39,15 @@ def sketch_kinds(stops: Sequence[int], dtype: str = "float32") -> dict[str, tupl
     Examples
     --------
     >>> sketch_kinds((32, 128))["sketch_numbers_1"]
-    (dtype('float32'), (96,))
+    (dtype('float32'), (128,))
     """
     if dtype not in DTYPES:
         raise HarmonicFaceError(f"dtype: expected one of {', '.join(DTYPES)}, got {dtype!r}")
-    single = np.dtype(np.float32)
-    widths = np.diff(stops, prepend=0).tolist()
-    kinds = {f"{NUMBERS}_{stage}": (np.dtype(dtype), (width,)) for stage, width in enumerate(widths)}
+    single, count = np.dtype(np.float32), form_columns(stops)
+    kinds = {f"{NUMBERS}_{stage}": (np.dtype(dtype), (stop,)) for stage, stop in enumerate(stops)}
     return kinds | {
-        TURNS: (single, ()),
-        SQUARES: (single, ()),
+        FORM: (single, (count * (count + 1) // 2,)),
+        LEVELS: (single, ()),
         DOUBTS: (single, ()),
         DEFECT: (np.dtype(np.float64), ()),
     }
@@ -58,11 +55,9 @@ def sketch_kinds(stops: Sequence[int], dtype: str = "float32") -> dict[str, tupl
 
 def packed(sketch: Sketch) -> Arrays:
     """Return a sketch as arrays of the kinds of `sketch_kinds`."""
-    numbers = np.split(sketch.numbers, sketch.stops[:-1], axis=1)
-    arrays = {f"{NUMBERS}_{stage}": np.ascontiguousarray(some) for stage, some in enumerate(numbers)}
-    return arrays | {
-        TURNS: sketch.turns.reshape(-1),
-        SQUARES: sketch.squares.reshape(-1),
+    return {f"{NUMBERS}_{stage}": some for stage, some in enumerate(sketch.numbers)} | {
+        FORM: sketch.form[None],
+        LEVELS: sketch.levels,
         DOUBTS: sketch.doubts,
         DEFECT: np.array([sketch.defect]),
     }
@@ -70,11 +65,8 @@ def packed(sketch: Sketch) -> Arrays:
 
 def unpacked(arrays: Mapping[str, NDArray[Any]]) -> Sketch:
     """Return the sketch of one person from her arrays, the inverse of `packed`."""
-    numbers = [arrays[f"{NUMBERS}_{stage}"] for stage in range(len(arrays[DOUBTS]))]
-    stops = tuple(np.cumsum([some.shape[1] for some in numbers]).tolist())
-    rank = len(numbers[0])
-    turns, squares = arrays[TURNS].reshape(-1, rank, rank), arrays[SQUARES].reshape(-1, rank)
-    return Sketch(np.concatenate(numbers, axis=1), turns, squares, arrays[DOUBTS], float(arrays[DEFECT][0]), stops)
+    numbers = tuple(arrays[f"{NUMBERS}_{stage}"] for stage in range(len(arrays[DOUBTS]) - 1))
+    return Sketch(arrays[FORM][0], numbers, arrays[LEVELS], arrays[DOUBTS], float(arrays[DEFECT][0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +90,10 @@ class Pack:
     places: Indices
     alive: NDArray[np.bool_]
 
-    def first_rows(self, rank: int, rows: Indices) -> Indices:
-        """Return the first row of those of a rank who are to be found, when each person has so many rows (n,)."""
-        first: Indices = np.cumsum(rows) - rows
-        return np.asarray(first[self.alive & (self.ranks == rank)])
+    def first_rows(self, rank: int, each: Indices | int = 1) -> Indices:
+        """Return the first row of those of a rank who are to be found, when those with a sketch have `each` rows."""
+        rows = np.where(self.ranks > 0, each, 0)
+        return np.asarray((np.cumsum(rows) - rows)[self.alive & (self.ranks == rank)], np.intp)
 
     def places_of(self, rank: int) -> Indices:
         """Return the places of those of a rank."""
@@ -111,8 +103,8 @@ class Pack:
 def companies_of(packs: Sequence[Pack], stops: Sequence[int]) -> tuple[Company, ...]:
     """Return the companies of a search, by rank.
 
-    The numbers of the first stage, and a few numbers a person beside them, are copied into memory; those of the later
-    stages stay where they are, and a search reads those of the people whom the first stage does not exclude.
+    The quadratic forms, and a few numbers a person beside them, are copied into memory; the numbers of the stages stay
+    where they are, and a search reads those of the people whom it has not excluded before.
 
     Parameters
     ----------
@@ -141,25 +133,18 @@ def companies_of(packs: Sequence[Pack], stops: Sequence[int]) -> tuple[Company, 
 def _company(packs: Sequence[Pack], rank: int, stops: tuple[int, ...]) -> Company:
     """Return the people of one rank."""
     having = [pack for pack in packs if (pack.alive & (pack.ranks == rank)).any()]
-    stages = len(stops)
+    bounds = len(stops) + 1
 
-    def gathered(name: str, of_rank: NDArray[np.intp], each: int, more: int = 0) -> Gathered:
-        """Return `each` rows of everybody from `more` rows on; of_rank[r] is how many a person of rank r has."""
-        starts = [pack.first_rows(rank, of_rank[pack.ranks]) + more for pack in having]
-        return Gathered([pack.arrays[name] for pack in having], starts, each)
+    def one_each(name: str, count: int) -> NDArray[np.float32]:
+        """Return `count` rows of everybody, in memory."""
+        starts = [pack.first_rows(rank, count) for pack in having]
+        return np.asarray(Gathered([pack.arrays[name] for pack in having], starts, count)[:], np.float32)
 
-    ranks = np.arange(max(int(pack.ranks.max()) for pack in having) + 1)
-    some, square = (ranks > 0).astype(np.intp), rank * rank
-    squares = gathered(SQUARES, stages * ranks, stages * rank)[:].reshape(-1, stages, rank)
-    doubts = gathered(DOUBTS, stages * some, stages)[:]
-    numbers = [gathered(f"{NUMBERS}_{stage}", ranks, rank) for stage in range(stages)]
-    turns = [gathered(TURNS, (stages - 1) * ranks**2, square, stage * square) for stage in range(stages - 1)]
-    return Company(
-        np.concatenate([pack.places_of(rank) for pack in having]),
-        (numbers[0][:], *numbers[1:]),
-        tuple(turns),
-        tuple(np.ascontiguousarray(squares[:, stage]) for stage in range(stages)),
-        tuple(np.ascontiguousarray(squares[:, stage].max(axis=1)) for stage in range(stages)),
-        tuple(np.ascontiguousarray(doubts[:, stage]) for stage in range(stages)),
-        stops,
-    )
+    rows = [pack.first_rows(rank, pack.ranks) for pack in having]
+    numbers = [
+        Gathered([pack.arrays[f"{NUMBERS}_{stage}"] for pack in having], rows, rank) for stage in range(len(stops))
+    ]
+    levels, doubts = one_each(LEVELS, bounds), one_each(DOUBTS, bounds)
+    forms = stacked_forms(one_each(FORM, 1)[:, 0], levels, doubts)
+    people = np.concatenate([pack.places_of(rank) for pack in having])
+    return Company(people, forms, tuple(numbers), levels[:, 1:].copy(), doubts[:, 1:].copy(), stops)

@@ -116,17 +116,17 @@ class Question:
     basis
         Over p pixels.
     units
-        (p,) one photograph or (p, q) several, of unit length, float64.
+        (q, p) photographs of unit length, float64.
     """
 
     def __init__(self, basis: SharedBasis, units: NDArray[np.float64]) -> None:
-        self._basis, self._units = basis, units
-        self._coordinates: NDArray[np.float32] = np.empty((len(basis.rows), *units.shape[1:]), np.float32)
-        self._explained = {0: np.zeros(units.shape[1:])}  # by the stops that were looked at
+        self._basis, self._units = basis, units.T
+        self._coordinates = np.empty((len(basis.rows), len(units)), np.float32)
+        self._explained = {0: np.zeros(len(units))}  # by the stops that were looked at
         self._seen = 0
 
     def coordinates(self, stop: int) -> NDArray[np.float32]:
-        """Return the first `stop` coordinates, (stop,) or (stop, q)."""
+        """Return the first `stop` coordinates, (stop, q)."""
         if stop > self._seen:
             new = self._basis.rows[self._seen : stop] @ self._units
             self._coordinates[self._seen : stop] = new
@@ -134,30 +134,10 @@ class Question:
             self._seen = stop
         return self._coordinates[:stop]
 
-    def remainder(self, stop: int) -> NDArray[np.float32]:
-        """Return an upper bound of the length that the first `stop` rows leave over; ask in rising order."""
+    def left(self, stop: int) -> NDArray[np.float32]:
+        """Return upper bounds of the squared lengths that the first `stop` rows leave over, (q,); in rising order."""
         if stop not in self._explained:
             self.coordinates(stop)
-        left = np.sqrt(np.maximum(1 - self._explained[stop], 0) + self._basis.doubt)
+        left = np.maximum(1 - self._explained[stop], 0) + self._basis.doubt
         # cast up: the float next to one that is rounded to nearest is never below
-        return np.asarray(np.nextafter(np.asarray(left, np.float32), np.float32(np.inf)))
-
-    def one(self, number: int) -> OneOf:
-        """Return one of several photographs."""
-        return OneOf(self, number)
-
-
-@dataclass(frozen=True, eq=False)
-class OneOf:
-    """One of several photographs that are looked at together; made by `Question.one`."""
-
-    question: Question
-    number: int
-
-    def coordinates(self, stop: int) -> NDArray[np.float32]:
-        """Return its first `stop` coordinates, (stop,)."""
-        return np.ascontiguousarray(self.question.coordinates(stop)[:, self.number])
-
-    def remainder(self, stop: int) -> NDArray[np.float32]:
-        """Return an upper bound of the length that the first `stop` rows leave over; ask in rising order."""
-        return np.asarray(self.question.remainder(stop)[self.number])
+        return np.asarray(np.nextafter(left.astype(np.float32), np.float32(np.inf)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,44 +10,44 @@ from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.search import bound
 from harmonicface.gallery.search.shared_basis import UNIT_ROUNDING, SharedBasis
 
-COLUMNS = (32, 128, 384)  # how many rows of the shared basis each stage has seen
+COLUMNS = (128, 384)  # how many rows of the shared basis each stage has seen
+FORM = 28  # how many of them the quadratic form has seen, which everybody is asked for first
 DTYPES = ("float16", "float32")
 ORTHONORMAL = 0.01  # how far a person's rows may be from it
-SINGLE = 2.0**-24  # the unit rounding of float32
+TOGETHER = 1 << 24  # bytes of rows that are multiplied together
 
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """A person's rows in the shared basis, stage by stage; made by `sketch`.
-
-    Each stage turns the basis Q of her span so that what the shared basis leaves over of its rows is orthogonal: then
-    a photograph y has Q y = b + S t + e, with b from the sketch, S = diag(s), |t| at most what the shared basis leaves
-    over of y, and |e| at most the doubt.
+    """A bound of what a person can explain of any photograph, coarse first and then finer; made by `sketch`.
 
     Parameters
     ----------
+    form
+        (k,) float32: N^T N of the first rows of the shared basis (`bound.quadratic`).
     numbers
-        (r, m) float16 or float32: her rows in the shared basis, the columns of each stage as this stage turns them.
-    turns
-        (stages - 1, r, r) float32: from the rows of a stage to those of the next.
-    squares
-        (stages, r) float32: s^2, rounded up.
+        For each stage (r, columns) float16 or float32: N of so many rows of the shared basis.
+    levels
+        (1 + stages,) float32: l of the form and of each stage.
     doubts
-        (stages,) float32: what the rounding of numbers, turns and float32 products can add to |Q y|, rounded up.
+        (1 + stages,) float32: what all rounding can add to each bound, rounded up.
     defect
         How far the stored rows are from orthonormal, |Q Q^T - I|, rounded up.
-    stops
-        How many rows of the shared basis each stage has seen.
     """
 
-    numbers: NDArray[np.floating]
-    turns: NDArray[np.float32]
-    squares: NDArray[np.float32]
+    form: NDArray[np.float32]
+    numbers: tuple[NDArray[np.floating], ...]
+    levels: NDArray[np.float32]
     doubts: NDArray[np.float32]
     defect: float
-    stops: tuple[int, ...]
+
+    @property
+    def stops(self) -> tuple[int, ...]:
+        """How many rows of the shared basis each stage has seen."""
+        return tuple(some.shape[1] for some in self.numbers)
 
 
 def sketch(rows: ArrayLike, basis: SharedBasis, columns: Sequence[int] = COLUMNS, dtype: str = "float32") -> Sketch:
@@ -72,26 +72,27 @@ def sketch(rows: ArrayLike, basis: SharedBasis, columns: Sequence[int] = COLUMNS
 
     Examples
     --------
-    >>> sketch([[0.6, 0.8, 0.0]], SharedBasis([[1.0, 0.0, 0.0]])).squares.round(2)
-    array([[0.64]], dtype=float32)
+    >>> one = sketch([[0.6, 0.8, 0.0]], SharedBasis([[1.0, 0.0, 0.0]]))
+    >>> bool(one.form[0] >= 0.36)  # that much of a photograph of the first pixel alone, at least
+    True
     """
-    stored = _validate.finite(rows, "rows").astype(np.float64)
+    return next(sketches([rows], basis, columns, dtype))
+
+
+def sketches(
+    people: Sequence[ArrayLike], basis: SharedBasis, columns: Sequence[int] = COLUMNS, dtype: str = "float32"
+) -> Iterator[Sketch]:
+    """Sketch many people, some at a time, which takes a fraction of the time; arguments and errors as of `sketch`."""
     stops = stage_columns(columns, len(basis.rows))
     if dtype not in DTYPES:
         raise HarmonicFaceError(f"dtype: expected one of {', '.join(DTYPES)}, got {dtype!r}")
-    if stored.ndim != 2 or stored.shape[1] != basis.rows.shape[1] or not 0 < len(stored) <= stored.shape[1]:
-        expected = f"shape (r, {basis.rows.shape[1]})"
-        raise HarmonicFaceError(f"rows: expected {expected}, got {_validate.describe(stored)}")
-    rank, pixels = stored.shape
-    gram = stored @ stored.T
-    defect = float(np.linalg.norm(gram - np.eye(rank))) + rank * pixels * UNIT_ROUNDING
-    if defect > ORTHONORMAL:
-        raise HarmonicFaceError(f"rows: expected orthonormal rows, got some that are not, by {defect:.2g}")
-    values, vectors = np.linalg.eigh(gram)
-    inside = (vectors / np.sqrt(values)) @ vectors.T @ (stored @ basis.rows[: stops[-1]].T)
-    return Sketch(
-        *_stages(inside, stops, dtype, 8 * rank * (pixels + rank) * UNIT_ROUNDING + basis.defect), defect, stops
-    )
+    pixels, used = basis.rows.shape[1], basis.rows[: stops[-1]].T
+    step = max(1, TOGETHER // (8 * pixels * 9))
+    for start in range(0, len(people), step):
+        stored = [_checked(rows, pixels) for rows in people[start : start + step]]
+        seen = np.concatenate(stored) @ used
+        for rows, inside in zip(stored, np.split(seen, np.cumsum([len(rows) for rows in stored[:-1]])), strict=True):
+            yield _sketched(rows, inside, stops, dtype, basis.defect)
 
 
 def stage_columns(columns: Sequence[int], available: int) -> tuple[int, ...]:
@@ -108,30 +109,56 @@ def stage_columns(columns: Sequence[int], available: int) -> tuple[int, ...]:
     return tuple(sorted({min(count, available) for count in stops}))
 
 
-def _stages(
-    inside: NDArray[np.float64], stops: Sequence[int], dtype: str, slack: float
-) -> tuple[NDArray[np.floating], NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-    """Return numbers, turns, squares and doubts of (r, m) coordinates C in the basis; float64 may err by `slack`."""
-    rank, start = len(inside), 0
-    numbers = np.empty(inside.shape, dtype)
-    before, lost = np.eye(rank), 0.0
-    turns, squares, doubts = [], [], []
+def form_columns(stops: Sequence[int]) -> int:
+    """Return how many rows of the shared basis the quadratic form has seen."""
+    return min(FORM, stops[0])
+
+
+def _checked(rows: ArrayLike, pixels: int) -> NDArray[np.float64]:
+    """Return the rows of a person in float64."""
+    stored = _validate.finite(rows, "rows")
+    if stored.ndim != 2 or stored.shape[1] != pixels or not 0 < len(stored) <= pixels:
+        raise HarmonicFaceError(f"rows: expected shape (r, {pixels}), got {_validate.describe(stored)}")
+    return stored.astype(np.float64)
+
+
+def _sketched(
+    stored: NDArray[np.float64], seen: NDArray[np.float64], stops: tuple[int, ...], dtype: str, basis_defect: float
+) -> Sketch:
+    """Return the sketch of a person from her rows and their products with the shared basis."""
+    rank, pixels = stored.shape
+    gram = stored @ stored.T
+    defect = float(np.linalg.norm(gram - np.eye(rank))) + rank * pixels * UNIT_ROUNDING
+    if defect > ORTHONORMAL:
+        raise HarmonicFaceError(f"rows: expected orthonormal rows, got some that are not, by {defect:.2g}")
+    values, vectors = np.linalg.eigh(gram)
+    inside = (vectors / np.sqrt(values)) @ vectors.T @ seen
+    slack = 8 * rank * (pixels + rank) * UNIT_ROUNDING + basis_defect  # what float64 may have lost
+    count = form_columns(stops)
+    folded, highest, longest = _folded(inside[:, :count], slack, pixels)
+    form = bound.quadratic(folded)
+    beside = bound.gamma(len(form) + 10) * (1.01 * float(np.linalg.norm(folded.T @ folded)) + highest + 1)
+    kept, levels = [], [highest]
+    doubts = [bound.whole_doubt(longest * slack, longest, beside, 8, highest)]
     for stop in stops:
-        # what is left over has the Gram matrix I - C C^T: its eigenvectors are the rows of this stage
-        values, vectors = np.linalg.eigh(np.eye(rank) - inside[:, :stop] @ inside[:, :stop].T)
-        turned = vectors.T @ inside[:, start:stop]
-        numbers[:, start:stop] = turned
-        lost = np.hypot(lost, float(np.linalg.norm(numbers[:, start:stop] - turned)))
-        if start:
-            turns.append((vectors.T @ before).astype(np.float32))
-        squares.append(_up(np.clip(values, 0, 1) + slack))
-        # products: one rounding a column and row, of numbers whose lengths are at most sqrt(r) together
-        operations = (stop + len(turns) * (rank + 4) + 4) * SINGLE
-        rounding = (operations / (1 - operations) + 2 * len(turns) * rank * SINGLE) * np.sqrt(rank) * 1.01
-        doubts.append(_up(np.asarray(lost * (1 + slack) + rounding + slack)))
-        before, start = vectors, stop
-    stacked = np.stack(turns) if turns else np.empty((0, rank, rank), np.float32)
-    return numbers, stacked, np.stack(squares), np.stack(doubts)
+        folded, highest, longest = _folded(inside[:, :stop], slack, pixels)
+        numbers = folded.astype(dtype)
+        length = float(np.linalg.norm(numbers.astype(np.float64)))
+        lost = float(np.linalg.norm(numbers - folded)) * (1 + slack) + bound.gamma(stop + 4) * length + longest * slack
+        kept.append(numbers)
+        levels.append(highest)
+        doubts.append(bound.whole_doubt(lost, longest, 0.0, rank + 8, highest))
+    return Sketch(form.astype(np.float32), tuple(kept), np.array(levels, np.float32), _up(np.array(doubts)), defect)
+
+
+def _folded(inside: NDArray[np.float64], slack: float, pixels: int) -> tuple[NDArray[np.float64], float, float]:
+    """Return N, l and the most that |N a| can be, from C; the eigenvalues of G may err by the slack."""
+    rank, stop = inside.shape
+    values, vectors = np.linalg.eigh(np.eye(rank) - inside @ inside.T)
+    values = np.clip(values, 0, 1) + slack
+    highest = float(_up(np.array(bound.level(values, vectors, 1 - stop / pixels))))
+    gains = np.sqrt(highest / (highest - values))
+    return gains[:, None] * (vectors.T @ inside), highest, float(gains.max()) * (1 + slack)
 
 
 def _up(values: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""The bounds hold for every vector in the ball, the sharp one is the maximum itself."""
+"""The bound holds for every vector in the ball, and its best level is the maximum itself."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from harmonicface.gallery.search import bound
 from harmonicface.recognition.subspace import Subspace, unit_photo
@@ -34,44 +34,61 @@ def largest(b: np.ndarray, squares: np.ndarray, rho: float) -> float:
     return float(np.sum(np.square(b + np.sqrt(squares) * t)))
 
 
+def reached(b: np.ndarray, squares: np.ndarray, rho: float, level: float) -> float:
+    """Return |N a|^2 + l rho^2, with b = C a, in the axes of G."""
+    return float(np.sum(b**2 * level / (level - squares)) + level * rho**2)
+
+
 @settings(max_examples=200)
 @given(st.integers(0, 10_000), st.integers(1, 25), st.sampled_from([1e-5, 1e-3, 0.05, 0.3, 1.0]))
-def test_no_vector_in_the_ball_is_above(seed: int, rank: int, rho: float) -> None:
+def test_any_level_is_above_every_vector_in_the_ball_and_the_best_one_is_the_maximum(
+    seed: int, rank: int, rho: float
+) -> None:
     rng = np.random.default_rng(seed)
-    b = (rng.normal(size=(1, rank)) * rng.choice([0, 0.01, 0.5], size=rank)).astype(np.float32)
-    squares = (rng.uniform(size=(1, rank)) * rng.choice([0, 1e-4, 1], size=rank)).astype(np.float32)
-    remainder = np.array([rho], np.float32)
-    explained, plain = bound.plain(b, squares, squares.max(axis=1), remainder)
-    sharp = bound.sharp(b, squares, remainder, steps=3)
-    t = rng.normal(size=(500, rank))
-    t *= remainder / np.linalg.norm(t, axis=1, keepdims=True)
-    reached = np.square(b + np.sqrt(squares.astype(np.float64)) * t).sum(axis=1).max()
-    exact = largest(b[0].astype(np.float64), squares[0].astype(np.float64), float(remainder[0]))
-    assert reached <= exact * (1 + 1e-9) + 1e-12
-    assert exact <= sharp[0]
-    assert exact <= plain[0]
-    assert sharp[0] <= plain[0] * (1 + 1e-5) + 1e-5
-    np.testing.assert_allclose(explained[0], np.sum(b.astype(np.float64) ** 2), rtol=1e-5)
+    b = rng.normal(size=rank) * rng.choice([0.01, 0.5], size=rank)
+    squares = rng.uniform(0.01, 1, size=rank) * rng.choice([1e-3, 1], size=rank)
+    exact = largest(b, squares, rho)
+    most = float(squares.max())
+    gaps = most * np.geomspace(1e-6, 1e6, 50)
+    assert min(reached(b, squares, rho, most + gap) for gap in gaps) >= exact * (1 - 1e-9)
+    best = minimize_scalar(lambda power: reached(b, squares, rho, most * (1 + np.exp(power))), bounds=(-30, 30))
+    assert best.fun <= exact * (1 + 1e-4)
+    ball = rng.normal(size=(500, rank))
+    ball *= rho / np.linalg.norm(ball, axis=1, keepdims=True)
+    assert np.square(b + np.sqrt(squares) * ball).sum(axis=1).max() <= exact * (1 + 1e-9)
 
 
-def test_newtons_method_reaches_the_maximum() -> None:
-    b = np.array([[0.9, 0.3, 0.1, 0.05]], np.float32)
-    squares = np.array([[0.01, 0.05, 0.2, 0.3]], np.float32)
-    sharp = bound.sharp(b, squares, np.array([0.1], np.float32), steps=6)[0]
-    exact = largest(b[0].astype(np.float64), squares[0].astype(np.float64), np.float64(np.float32(0.1)))
-    assert exact <= sharp <= exact * (1 + 2e-5)
+@settings(max_examples=50)
+@given(st.integers(0, 10_000), st.integers(1, 25))
+def test_the_level_is_near_the_best_for_photographs_of_the_person(seed: int, rank: int) -> None:
+    rng = np.random.default_rng(seed)
+    squares = np.sort(rng.uniform(size=rank) ** 4)
+    turns = np.linalg.qr(np.eye(rank) + 0.1 * rng.normal(size=(rank, rank)))[0]
+    energies = np.arange(1, rank + 1.0) ** -2
+    shares = np.square(turns).T @ energies / energies.sum()
+    rho = np.sqrt(squares @ shares + bound.NOISE * 0.5)
+
+    def expected(level: float) -> float:
+        return reached((1 - squares) * np.sqrt(shares), squares, float(rho), level)
+
+    chosen = bound.level(squares, turns, 0.5)
+    assert chosen > squares.max()
+    tried = squares.max() * (1 + np.geomspace(bound.LEAST_GAP, 1e4, 400)) + bound.TINY
+    assert expected(chosen) <= min(map(expected, tried)) * 1.01
 
 
-def test_several_photographs_at_once() -> None:
-    rng = np.random.default_rng(0)
-    b = rng.normal(size=(6, 4, 3)).astype(np.float32)
-    squares = rng.uniform(size=(6, 4)).astype(np.float32)
-    remainders = rng.uniform(size=3).astype(np.float32)
-    explained, bounds = bound.plain(b, squares[:, :, None], squares.max(axis=1)[:, None], remainders)
-    for number in range(3):
-        alone = bound.plain(b[:, :, number], squares, squares.max(axis=1), remainders[number])
-        np.testing.assert_allclose(explained[:, number], alone[0], rtol=1e-6)
-        np.testing.assert_allclose(bounds[:, number], alone[1], rtol=1e-6)
+def test_the_quadratic_form_is_the_square() -> None:
+    rng = np.random.default_rng(1)
+    folded, coordinates = rng.normal(size=(9, 7)), rng.normal(size=(7, 3)).astype(np.float32)
+    asked = bound.features(coordinates, np.array([0.1, 0.2, 0.3], np.float32))
+    assert asked.shape == (7 * 8 // 2 + 2, 3)
+    np.testing.assert_allclose(bound.quadratic(folded) @ asked[:-2], np.square(folded @ coordinates).sum(axis=0), 1e-5)
+    np.testing.assert_array_equal(asked[-2:], np.array([[0.1, 0.2, 0.3], [1, 1, 1]], np.float32))
+
+
+def test_so_many_roundings_that_nothing_is_certain() -> None:
+    assert bound.gamma(1 << 24) == np.inf
+    assert bound.gamma(1000) == pytest.approx(1000 * 2.0**-24, rel=1e-3)
 
 
 @pytest.mark.parametrize("distance", [0.0, 1e-9, 0.3, 1.0])

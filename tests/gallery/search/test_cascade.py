@@ -12,9 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from harmonicface.gallery.search import batches
-from harmonicface.gallery.search.batches import search_many
-from harmonicface.gallery.search.cascade import search
+from harmonicface.gallery.search.cascade import search, search_many
 from harmonicface.gallery.search.shared_basis import SharedBasis
 from harmonicface.recognition.subspace import unit_photo
 
@@ -79,11 +77,8 @@ def test_the_answer_is_the_scans(make: Make, draw: Make, everybody: Make, situat
     asked = situation["top"], situation["distance"]
     expected = [everybody(rows, unit, *asked) for unit in units]
     alone = [search(known.companies, known.pixels, basis, unit, *asked) for unit in units]
-    together = []
-    for share in (-1.0, 2.0):  # all with all, and each photograph by itself
-        with patch.object(batches, "DENSE", share):
-            together.append(search_many(known.companies, known.pixels, basis, units, *asked))
-    for answers in (alone, *together):
+    together = search_many(known.companies, known.pixels, basis, units, *asked)
+    for answers in (alone, together):
         assert [list(zip(one.distances, one.people, strict=True)) for one in answers] == expected
 
 
@@ -117,3 +112,20 @@ def test_nobody_within_a_distance(make: Make, draw: Make) -> None:
     found = search(known.companies, known.pixels, known.basis, unit, None, 0.01)
     assert found.people == ()
     assert found.distances == ()
+
+
+@pytest.mark.parametrize(("top", "distance"), [(1, 1.0), (5, 1.0), (None, 0.3), (None, 0.0), (3, 0.5)])
+def test_many_photographs_find_what_each_finds_alone(make: Make, draw: Make, top: int | None, distance: float) -> None:
+    rng = np.random.default_rng(4)
+    rows = draw(rng, [9, 5, 25, 9] * 60, 300, 0.7)
+    known = make(rows, SharedBasis.of(np.concatenate(rows[:80]), np.ones(20 * 48), 60), [8, 30, 60])
+    units = np.stack([rng.normal(size=len(rows[who])) @ rows[who] + 0.01 * rng.normal(size=300) for who in range(12)])
+    units /= np.linalg.norm(units, axis=1, keepdims=True)
+    everybody = known.companies, known.pixels, known.basis
+    alone = [search(*everybody, unit, top, distance) for unit in units]
+    with patch("harmonicface.gallery.search.crowd.BLOCK", 2_000):
+        together = search_many(*everybody, units, top, distance)
+    for one, other in zip(alone, together, strict=True):
+        assert (one.people, one.distances) == (other.people, other.distances)
+        assert list(other.survivors) == sorted(other.survivors, reverse=True)
+        assert len(other.people) <= other.measured <= len(rows)
