@@ -10,6 +10,7 @@ from __future__ import annotations
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import cycle, islice
 from pathlib import Path
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 AT_ONCE = 8  # people whom one task enrols
+NEAR = 0.1  # where nearly everybody is whose photograph is good, and nobody else
 MAPPED = 4  # of a worker's memory, pages of files take at most one part in so many
 Units = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -95,13 +97,28 @@ class SharedShelf:
         return self.search_many(unit[None], top, distance)[0]
 
     def search_many(self, units: Units, top: int | None = 1, distance: float = FURTHEST) -> list[Found]:
-        """Find the people nearest to each of several photographs, by one message to each shelf; raises as `search`."""
-        answers = self._on_all(_searched, units=units, top=top, distance=distance)
-        return [merged(some, top) for some in zip(*answers, strict=True)]
+        """Find the people nearest to each of several photographs; raises as `search`.
+
+        All photographs are one message to each shelf. Where one person is asked for, she is looked for nearby first:
+        a shelf that does not hold her excludes its people much sooner if it may stop at that distance.
+        """
+        if top != 1 or distance <= NEAR:
+            return self._asked(units, top, distance)
+        found = self._asked(units, top, NEAR)
+        left = [number for number, one in enumerate(found) if not one.people]
+        if left:
+            for number, one in zip(left, self._asked(units[left], top, distance), strict=True):
+                found[number] = replace(one, measured=one.measured + found[number].measured)
+        return found
 
     def closeness(self, units: Units) -> NDArray[np.float32]:
         """Return |Q y|^2 of everybody for unit photographs, (n, q) from (q, p); raises as `search`."""
         return np.concatenate(self._on_all(_closeness, units=units))
+
+    def _asked(self, units: Units, top: int | None, distance: float) -> list[Found]:
+        """Return the answers of all shelves together."""
+        answers = self._on_all(_searched, units=units, top=top, distance=distance)
+        return [merged(some, top) for some in zip(*answers, strict=True)]
 
     def _on_all(self, function: Callable[..., Result], **question: Any) -> list[Result]:
         """Ask every shelf where it is, and return the answers in their order."""

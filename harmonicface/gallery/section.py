@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.layout import ROWS
 from harmonicface.gallery.search.packing import DEFECT, DOUBTS, Pack
 from harmonicface.gallery.search.sketch import ORTHONORMAL
 from harmonicface.store.part import Part
 
-ROWS = "rows"  # the array of a gallery's folder that holds everybody's rows
 BLOCK = 1 << 25  # bytes of rows that are looked at together
 Indices = NDArray[np.intp]
 

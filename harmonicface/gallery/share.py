@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.layout import BASIS
 from harmonicface.gallery.search.shared_basis import SharedBasis
 from harmonicface.gallery.section import Section
 from harmonicface.gallery.shelf import Shelf
@@ -18,7 +19,7 @@ from harmonicface.store.part import Part
 from harmonicface.store.shard import Shard
 from harmonicface.store.version import CommonArrays, Version
 
-BASIS, STOPS = "basis", "stops"
+STOPS = "stops"  # what a gallery says of its sketches
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.layout import ROWS
 from harmonicface.gallery.search.batches import search_many
 from harmonicface.gallery.search.cascade import FURTHEST, Found, search
 from harmonicface.gallery.search.crowd import Company
@@ -170,7 +171,7 @@ class Shelf:
         """Search people without a sketch by one pass over their rows."""
         self._measure_defects(scanned)
         pixels, answers = self._pixels, []
-        ranks = [np.diff(section.starts("rows"))[section.indices] for section in self.sections]
+        ranks = [np.diff(section.starts(ROWS))[section.indices] for section in self.sections]
         rank = np.concatenate(ranks)[scanned]
         # as of `Pixels.closeness`
         operations = (pixels.size + 2) * SINGLE

@@ -19,9 +19,10 @@ from distributed import Client, LocalCluster
 
 import harmonicface as hf
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.distributed import AT_ONCE, Held, SharedShelf, enrolments, in_order, threads_of
+from harmonicface.gallery.distributed import AT_ONCE, NEAR, Held, SharedShelf, enrolments, in_order, threads_of
 from harmonicface.gallery.enrolment import Model, enrolment_of
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.search.cascade import Found
 from harmonicface.gallery.share import shares_of
 from harmonicface.recognition.models import harmonic9
 from harmonicface.store.folder import ArrayFolder
@@ -66,6 +67,22 @@ def test_answers_are_those_of_one_process(shelf: SharedShelf, top: int | None, d
     assert [pairs(one) for one in shelf.search_many(ASKED, top, distance)] == expected
     assert pairs(shelf.search(ASKED[0], top, distance)) == expected[0]
     assert shelf.search_many(ASKED[:0], top, distance) == []
+
+
+def test_one_person_is_looked_for_nearby_first(shelf: SharedShelf, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    whole = SharedShelf._asked
+
+    def seen(self: SharedShelf, photographs: np.ndarray, top: int | None, distance: float) -> list[Found]:
+        asked.append((len(photographs), distance))
+        return whole(self, photographs, top, distance)
+
+    monkeypatch.setattr(SharedShelf, "_asked", seen)
+    near = PEOPLE[40][2].astype(np.float64)
+    found = shelf.search_many(np.stack([near, ASKED[-1]]))
+    assert [pairs(one) for one in found] == [scan(PEOPLE, unit, 1, 1.0) for unit in (near, ASKED[-1])]
+    assert found[0].distances[0] < NEAR < found[1].distances[0]
+    assert asked == [(2, NEAR), (1, 1.0)]
 
 
 def test_closeness_is_in_the_order_of_enrolment(shelf: SharedShelf) -> None:
