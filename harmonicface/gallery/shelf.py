@@ -96,9 +96,8 @@ class Shelf:
 
     @property
     def nbytes(self) -> int:
-        """Bytes that were copied into memory, roughly."""
-        first = [company.numbers[0] for company in self._companies]
-        return sum(some.nbytes for some in first if isinstance(some, np.ndarray)) + 24 * len(self)
+        """Bytes that were copied into memory."""
+        return sum(company.nbytes for company in self._companies) + self.places.nbytes + self._defects.nbytes
 
     def search(self, unit: Units, top: int | None = 1, distance: float = FURTHEST) -> Found:
         """Find the people nearest to a photograph: the answer of a scan of everybody.

@@ -103,7 +103,7 @@ def test_what_was_read_can_be_forgotten(shelved: tuple[Shelf, list[np.ndarray]])
     shelf.forget()
     unit = units(people)[0]
     assert pairs(shelf.search(unit)) == scan(people, unit, 1, 1.0)
-    assert shelf.nbytes > 14 * 9 * STOPS[0] * 4
+    assert shelf.nbytes > sum(company.forms.nbytes for company in shelf._companies) + 16 * 16
 
 
 def test_survivors_are_summed_stage_by_stage() -> None:
