@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import eigh
@@ -21,6 +23,7 @@ from harmonicface.surfaces.surface import Surface
 Array = NDArray[np.float64]
 
 ROUNDINGS = 8  # operations behind each number
+BLOCK = 1 << 11  # pixels whose harmonic images stay in the cache
 SAME = 1e-28  # of the light's mean square: a variance of rounding alone
 DIFFERENT = "lights: expected lights that differ"
 
@@ -97,9 +100,13 @@ def analytic_pca(
     statistics = light_statistics(lights)
     rows, known = count(order), order if casting else max(order, POWER_ORDER)
     each = pixel_weights(surface, weights)
-    images, brightness = _scaled(harmonic_images(surface, known, casting, bounces), "albedo: expected some above 0")
-    variation, strength = _scaled(statistics.variation(known, bool(centered)), DIFFERENT)
-    gram = (images if weights is None else images * each) @ images.T
+    images = harmonic_images(surface, known, casting, bounces)
+    brightness = _scale(images, "albedo: expected some above 0")
+    images *= 1 / brightness
+    variation = statistics.variation(known, bool(centered))
+    strength = _scale(variation, DIFFERENT)
+    variation = variation / strength
+    gram = _gram(images, None if weights is None else each)
     total = float((variation * gram).sum())
     if not casting:
         total += _above(gram, statistics.tail(known, bool(centered)) / strength)
@@ -118,10 +125,10 @@ def analytic_pca(
     mean_light = statistics.mean[:rows] * bool(centered)
     dtype = surface.normals.dtype
     return PrincipalComponents(
-        components=(combinations @ images[:rows]).astype(dtype),
+        components=combinations.astype(dtype) @ images[:rows],
         variances=values[:kept] * unit,
         total=total * unit,
-        mean=(brightness * (mean_light @ images[:rows])).astype(dtype),
+        mean=np.asarray(brightness * (mean_light.astype(dtype) @ images[:rows]), dtype),
         lights=combinations / brightness,
         mean_light=mean_light,
         mask=surface.mask,
@@ -129,12 +136,27 @@ def analytic_pca(
     )
 
 
-def _scaled(array: Floats, expected: str) -> tuple[Array, float]:
-    """Return an array in float64 with a largest entry of size 1, and by how much it is larger."""
-    scale = float(np.abs(array).max())
-    if scale == 0:
-        raise HarmonicFaceError(f"{expected}, got none")
-    return array.astype(np.float64) / scale, scale
+def _scale(array: Floats, expected: str) -> float:
+    """Return the power of 2 next to the largest size in an array, which divides it without rounding.
+
+    Raises
+    ------
+    HarmonicFaceError
+        All is 0, or beyond the range of numbers.
+    """
+    largest = max(float(array.max()), -float(array.min()))
+    if not 0 < largest < np.inf:
+        raise HarmonicFaceError(f"{expected} and within the range of numbers, got {largest:.4g} at most")
+    return math.ldexp(1.0, math.frexp(largest)[1])
+
+
+def _gram(images: Floats, weights: Array | None) -> Array:
+    """Return the sums over pixels of products of images, times weights if there are any, (k, k), in float64."""
+    total = np.zeros((len(images), len(images)))
+    for first in range(0, images.shape[1], BLOCK):
+        some = images[:, first : first + BLOCK].astype(np.float64)
+        total += some @ some.T if weights is None else (some * weights[first : first + BLOCK]) @ some.T
+    return total
 
 
 def _square_root(matrix: Array) -> Array:

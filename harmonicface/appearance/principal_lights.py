@@ -67,12 +67,17 @@ class LightStatistics:
 
     def tail(self, order: int, centered: bool) -> Array:
         """Return harmonic coefficients (25,) of what the degrees above an order add to the variance of E(n)."""
-        mean = self.mean if centered else np.zeros_like(self.mean)
-        whole = self.power - _square(np.outer(mean, mean))
-        size = count(order)
-        known = np.zeros_like(self.covariance)
-        known[:size, :size] = self.variation(order, centered)
-        return np.asarray(whole - _square(known))
+        return _tail(self, order, centered)
+
+
+@lru_cache
+def _tail(statistics: LightStatistics, order: int, centered: bool) -> Array:
+    """Return the same, kept for the statistics that were asked last."""
+    mean = statistics.mean if centered else np.zeros_like(statistics.mean)
+    size = count(order)
+    known = np.zeros_like(statistics.covariance)
+    known[:size, :size] = statistics.variation(order, centered)
+    return np.asarray(statistics.power - _square(np.outer(mean, mean) + known))
 
 
 Lights = str | Light | Sequence[Light | str] | ArrayLike | LightStatistics
