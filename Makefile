@@ -21,8 +21,9 @@ format: .venv/.installed-dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# Within 20 minutes on two cores; benchmarks/results/index.html holds all plots and tables.
 benchmarks: .venv/.installed-dev  ## speed against error, beside public peers
-	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
+	$(BIN)/python scripts/run_benchmarks.py
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv

@@ -8,14 +8,16 @@ B cos(theta_o) over normals in all directions and outgoing angles up to 70 degre
 
 from __future__ import annotations
 
-import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, best, record
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.reflectance.brdf import Microfacet, Phong, Ward
@@ -27,6 +29,7 @@ from harmonicface.reflectance.lightfield import light_field
 STEEPEST = math.radians(70)
 TURN = 0.4  # of the tangent of the anisotropic material
 TARGET = 1e-2  # what is asked of either side
+UNIT = "relative L2 to 70 degrees"
 GRIDS = (6, 8, 10, 12, 16, 20, 24, 32)  # polar angles of the integral
 FINEST = 72
 ORDERS = (4, 6, 8, 10, 12, 16, 20, 24, 32)
@@ -87,11 +90,12 @@ def materials(count: int) -> list[Record]:
     for name, (brdf, orders) in MATERIALS.items():
         expand = anisotropic_coefficients if isinstance(brdf, Ward) else isotropic_coefficients
         table = expand(brdf, max(orders))
-        expanding = best_seconds(lambda brdf=brdf, expand=expand: expand(brdf, 12), repeats=1)
+        expanding = best(partial(expand, brdf, 12), 1).seconds
         expected = integral(brdf, normals, outgoing, FINEST)
         errors = {nodes: relative(integral(brdf, normals, outgoing, nodes), expected) for nodes in GRIDS}
         nodes = next(nodes for nodes in GRIDS if errors[nodes] <= TARGET)
-        peer = best_seconds(lambda brdf=brdf, nodes=nodes: integral(brdf, normals, outgoing, nodes), repeats=3)
+        about = f"over {nodes} x {2 * nodes} incoming directions as one matrix product"
+        peer = best(Call(partial(integral, brdf, normals, outgoing, nodes), about=about), 3)
         for order in orders:
             kept = (order + 1) ** 2
             part = table[:kept, :kept] if table.ndim == 2 else table[: order + 1, : order + 1, : order + 1]
@@ -101,16 +105,17 @@ def materials(count: int) -> list[Record]:
 
             even = relative(run(extension="even"), expected)
             found.append(
-                Record(
-                    name=f"reflected light, {name}, order {order}",
-                    size=f"{count} normals x {count} directions",
-                    seconds=best_seconds(run, repeats=3),
+                record(
+                    f"reflected light, {name}, order {order}",
+                    f"{count} normals x {count} directions",
+                    best(Call(run, evaluate), 3),
+                    peer,
                     error=relative(run(), expected),
+                    peer_error=errors[nodes],
+                    unit=UNIT,
                     bytes=part.nbytes,
-                    peer=f"integral over {nodes} x {2 * nodes} incoming directions as one matrix product",
-                    peer_seconds=peer,
-                    note=f"relative L2 to 70 degrees; {even:.2g} if continued evenly below the horizon; "
-                    f"the peer's {errors[nodes]:.2g}, the coarsest under {TARGET}; "
+                    question=f"reflected light, {name}",
+                    note=f"{even:.2g} if continued evenly below the horizon; the peer is the coarsest under {TARGET}; "
                     f"coefficients to order 12 take {expanding:.2f} s once",
                 )
             )
@@ -140,15 +145,17 @@ def lamps(count: int) -> list[Record]:
         plain = relative(evaluate(light, table, normals[:, None], outgoing[None], TURN), expected)
         odd = relative(run(extension="odd"), expected)
         found.append(
-            Record(
-                name=f"light of a lamp, {name}",
-                size=f"order {order}, {count} normals x {count} directions",
-                seconds=best_seconds(run, repeats=3),
+            record(
+                f"light of a lamp, {name}",
+                f"order {order}, {count} normals x {count} directions",
+                best(Call(run, evaluate_under_lamp), 3),
+                best(Call(exact, brdf.__call__, about="in closed form"), 3),
                 error=relative(run(), expected),
+                peer_error=0.0,
+                unit=UNIT,
                 bytes=table.nbytes,
-                peer="the BRDF itself, in closed form",
-                peer_seconds=best_seconds(exact, repeats=3),
-                note=f"relative L2 to 70 degrees; {odd:.2g} if continued oddly, {plain:.2g} by the lamp's coefficients",
+                question="light of a lamp",
+                note=f"{odd:.2g} if continued oddly, {plain:.2g} by the lamp's coefficients",
             )
         )
     return found
@@ -167,43 +174,29 @@ def factorizations() -> list[Record]:
         scale = light[0] / result.light[0]
         worst = max(relative(scale * result.light, light), relative(result.brdf / scale, table))
         found.append(
-            Record(
-                name="factor a light field into light and BRDF",
-                size=f"order {order}",
-                seconds=best_seconds(lambda field=field: factor_light_field(field), repeats=3),
+            record(
+                "factor a light field into light and BRDF",
+                f"order {order}",
+                best(partial(factor_light_field, field), 3),
+                best(Call(partial(light_field, light, table), about="making what is factored"), 3),
                 error=worst,
+                unit="relative L2 of light or BRDF, the larger",
                 bytes=field.nbytes,
-                peer="making the light field from light and BRDF",
-                peer_seconds=best_seconds(lambda light=light, table=table: light_field(light, table), repeats=3),
-                note="error: the larger relative L2 of light and BRDF after one common scale",
+                seed=order,
+                question="factor a light field",
+                note="after one common scale",
             )
         )
     return found
 
 
-def print_table(records: list[Record]) -> None:
-    """Print error against order, one column a material."""
-    errors = {tuple(record.name.split(", ")[1:]): record.error for record in records}
-    print("relative L2 of B cos(theta_o) up to 70 degrees\norder   " + "".join(f"{name:>18}" for name in MATERIALS))
-    for order in ORDERS:
-        cells = [errors.get((name, f"order {order}")) for name in MATERIALS]
-        print(f"{order:5d}   " + "".join(f"{'-' if cell is None else format(cell, '.1e'):>18}" for cell in cells))
-
-
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="200 x 200 instead of 600 x 600")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    found = materials(200 if options.quick else 600)
-    print_table(found)
-    found += lamps(200 if options.quick else 600)
-    found += factorizations()
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
+def records(quick: bool) -> Iterator[Record]:
+    """Yield materials, lamps, factorizations."""
+    count = 200 if quick else 600
+    yield from materials(count)
+    yield from lamps(count)
+    yield from factorizations()
 
 
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "200 x 200 instead of 600 x 600", seed=0)

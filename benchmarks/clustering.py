@@ -1,16 +1,16 @@
 """Whose photographs are these? Groups of Yale B under all lights, beside sparse subspace clustering; error beside time.
 
-Settings of all methods, the peers' too, were chosen on people 1 to 5 (`--choose` shows the peers' trials). Run it as
-`python benchmarks/clustering.py [--quick] [--choose] [--json FILE]`.
+Settings of all methods, the peers' too, were chosen on people 1 to 5 (`--choose` shows the peers' trials).
+
+python benchmarks/clustering.py [--quick] [--choose] [--json FILE]
 """
 
 from __future__ import annotations
 
-import argparse
 import os
-import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -22,7 +22,9 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import Lasso, orthogonal_mp_gram
 from sklearn.metrics.cluster import contingency_matrix
 
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import benchmark_parser, finish, there
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, once, record
 from harmonicface.datasets.yale_b import IMAGE_SHAPE, load_yale_b
 from harmonicface.recognition.clustering import HarmonicClustering
 
@@ -30,6 +32,7 @@ DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "sha
 REDUCED = (48, 42)  # as is usual for the peers, which learn from raw intensities
 PENALTY = 0.1  # of the largest correlation
 ATOMS = 3
+UNIT = "% of photographs in a wrong group"
 Table = NDArray[np.float32]
 Labels = NDArray[np.int_]
 
@@ -92,41 +95,46 @@ def unit(table: Table) -> Table:
     return table / np.linalg.norm(table, axis=1, keepdims=True)
 
 
-def timed(method: Callable[[], Labels], who: Labels) -> tuple[float, float, int]:
-    """Return wall time, error in % and how many groups there are."""
-    start = time.perf_counter()
-    labels = method()
-    return time.perf_counter() - start, error(labels, who), len(np.unique(labels))
-
-
-def records(people: Sequence[int]) -> list[Record]:
+def records(people: Sequence[int]) -> Iterator[Record]:
     """Group the photographs of some people by every method, the number of people told and not."""
     table, who = photographs(people)
     small, count, shape = reduced(table), len(people), IMAGE_SHAPE
     size = f"{count} people ({min(people)}-{max(people)}), {len(who)} photographs"
     matrix = 8 * len(who) ** 2
-    peers: dict[str, Callable[[], Labels]] = {
-        "sparse subspace clustering, lasso": lambda: ssc_lasso(small, count),
-        "sparse subspace clustering, orthogonal matching pursuit": lambda: ssc_omp(small, count),
+    about = "sparse subspace clustering"
+    peers = {
+        f"{about}, lasso": Call(partial(ssc_lasso, small, count), Lasso.fit, spectral_clustering, about=about),
+        f"{about}, matching pursuit": Call(
+            partial(ssc_omp, small, count), orthogonal_mp_gram, spectral_clustering, about=about
+        ),
     }
-    found = {name: timed(method, who) for name, method in peers.items()}
-    best = min(found, key=lambda name: found[name][1])
+    found = {name: once(method) for name, method in peers.items()}
+    wrong = {name: error(labels, who) for name, (_, labels) in found.items()}
+    best = min(wrong, key=lambda name: wrong[name])
     ours: dict[str, tuple[HarmonicClustering, Table, str]] = {
         "patterns": (HarmonicClustering(count, "patterns", shape), table, "the default"),
         "patterns, nobody told how many": (HarmonicClustering(None, "patterns", shape), table, ""),
         "gradient": (HarmonicClustering(count, "gradient", shape), table, "people may not move"),
         "conic": (HarmonicClustering(count, "conic"), small, f"at {REDUCED[0]} x {REDUCED[1]}, raw intensities"),
     }
-    result = []
     for name, (clustering, given, note) in ours.items():
-        seconds, wrong, made = timed(lambda: clustering.fit_predict(given), who)  # noqa: B023
-        about = f"% of photographs in a wrong group, {made} groups; {best}: {found[best][1]:.2f} %"
-        text = f"{about}; {note}" if note else about
-        result.append(Record(f"group by {name}", size, seconds, wrong, matrix, best, found[best][0], text))
-    for name, (seconds, wrong, made) in found.items():
-        text = f"% of photographs in a wrong group, {made} groups; at {REDUCED[0]} x {REDUCED[1]}"
-        result.append(Record(name, size, seconds, wrong, matrix, note=text))
-    return result
+        timing, labels = once(partial(clustering.fit_predict, given))
+        text = f"{len(np.unique(labels))} groups" + (f"; {note}" if note else "")
+        yield record(
+            f"group by {name}",
+            size,
+            timing,
+            found[best][0],
+            error=error(labels, who),
+            peer_error=wrong[best],
+            unit=UNIT,
+            bytes=matrix,
+            question=f"groups of {size}",
+            note=text,
+        )
+    for name, (timing, labels) in found.items():
+        text = f"a peer: {len(np.unique(labels))} groups; at {REDUCED[0]} x {REDUCED[1]}"
+        yield record(name, size, timing, error=wrong[name], unit=UNIT, bytes=matrix, note=text)
 
 
 def choose() -> None:
@@ -140,23 +148,17 @@ def choose() -> None:
 
 
 def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="people 6 to 8 instead of 1 to 10, 6 to 11 and all eleven")
+    """Run, or show how the peers' settings were chosen."""
+    parser = benchmark_parser(__doc__, "people 6 to 8 instead of 1 to 10, 6 to 11 and all eleven")
     parser.add_argument("--choose", action="store_true", help="only show how the peers' settings were chosen")
-    parser.add_argument("--json", help="write the records here")
     options = parser.parse_args()
-    if not DATA.is_dir():
-        print(f"skipped: the photographs of Yale B are not in {DATA} (set HARMONICFACE_DATA)")
+    if not there(DATA):
         return
     if options.choose:
         choose()
         return
     sets = [range(6, 9)] if options.quick else [range(1, 11), range(6, 12), range(1, 12)]
-    found = [record for people in sets for record in records(people)]
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
+    finish((one for people in sets for one in records(people)), options.json, seed=0)
 
 
 if __name__ == "__main__":

@@ -5,18 +5,18 @@ python benchmarks/environment.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
 import os
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 import harmonicface as hf
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, best, once, record
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.quadrature import sphere_grid
 from harmonicface.lighting.layouts import layout_named
@@ -24,7 +24,6 @@ from harmonicface.lighting.prefiltered import irradiance_map, reflected, reflect
 from harmonicface.reflectance.microfacet import microfacet_filter, microfacet_lobe
 from harmonicface.reflectance.phong import phong_filter, phong_lobe
 
-Result = TypeVar("Result")
 DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data"))
 PUBLISHED = "published: mean under 1 %, worst under 5 % of the total (Ramamoorthi & Hanrahan 2001)"
 ORDERS = (2, 4, 8, 12, 16, 20)
@@ -49,19 +48,18 @@ def speed_records(quick: bool) -> Iterator[Record]:
 
 
 def _nine_coefficients(radiance: NDArray[np.float32]) -> Record:
-    seconds = best_seconds(lambda: hf.EnvironmentMap(radiance).coefficients(2), repeats=41)
-    peer = best_seconds(lambda: radiance.sum(), repeats=41)
+    ours = best(Call(lambda: hf.EnvironmentMap(radiance).coefficients(2), hf.EnvironmentMap.coefficients), 41)
     light = hf.EnvironmentMap(radiance)
     exact = np.einsum("khw,hwc->kc", real_harmonics(light.directions, 2), light.strengths)
-    return Record(
-        name="nine coefficients of a map, checks for NaN and negative radiance included",
-        size="1024x512x3 float32",
-        seconds=seconds,
-        bytes=radiance.nbytes,
+    return record(
+        "nine coefficients of a map, checks for NaN and negative radiance included",
+        "1024x512x3 float32",
+        ours,
+        best(Call(radiance.sum, about="of the map, which checks nothing"), 41),
         error=float(np.abs(light.coefficients(2) - exact).max() / np.abs(exact).max()),
-        peer="map.sum(), which checks nothing",
-        peer_seconds=peer,
-        note="target: ratio at most 4; error: largest difference from the sum in float64, of the largest coefficient",
+        unit="from the sum in float64, of the largest coefficient",
+        bytes=radiance.nbytes,
+        note="target: ratio at most 4",
     )
 
 
@@ -73,22 +71,27 @@ def _map_of_normals(radiance: NDArray[np.float32], repeats: int) -> Record:
     light = hf.EnvironmentMap(radiance)
     towards = np.ascontiguousarray(light.directions.reshape(-1, 3).T.astype(np.float32))
     strengths = light.strengths.reshape(-1, 3).astype(np.float32)
-    seconds = best_seconds(lambda: irradiance_map(hf.EnvironmentMap(radiance), 64, "angular", order=2), repeats=201)
+    ours = best(Call(lambda: irradiance_map(hf.EnvironmentMap(radiance), 64, "angular", order=2), irradiance_map), 201)
     few = radiance[:2, :2].copy()
-    calls = best_seconds(lambda: irradiance_map(hf.EnvironmentMap(few), 1, "angular", order=2), repeats=201)
-    peer, exact = _best_of(lambda: _blocked_products(normals.reshape(-1, 3), towards, strengths), repeats)
+    calls = best(lambda: irradiance_map(hf.EnvironmentMap(few), 1, "angular", order=2), 201).seconds
+    integral = partial(blocked_products, normals.reshape(-1, 3), towards, strengths)
+    exact = integral()
+    peer = best(Call(integral, about="the integral over the half sphere a normal"), repeats)
+    seconds = ours.seconds
     found = irradiance_map(light, 64, "angular", order=2).reshape(-1, 3)
     error = np.abs(found - exact) / strengths.sum(axis=0)
-    return Record(
-        name="irradiance map of 64x64 normals",
-        size=f"from a map of {width}x{height}x3 float32",
-        seconds=seconds,
+    return record(
+        "irradiance map of 64x64 normals",
+        f"from a map of {width}x{height}x3 float32",
+        ours,
+        peer,
         error=100 * float(error.mean()),
-        peer="integral over the half sphere a normal, as blocked matrix products",
-        peer_seconds=peer,
-        note=f"the peer takes {peer / seconds:.0f} times as long{_verdict(radiance, peer / seconds)}; "
+        peer_error=0.0,
+        unit="% of the total light, the mean",
+        question="irradiance maps",
+        note=f"the peer takes {peer.seconds / seconds:.0f} times as long{_verdict(radiance, peer.seconds / seconds)}; "
         f"4 texels and 1 normal, where calls are all there is, take {1e6 * calls:.0f} of the {1e6 * seconds:.0f} "
-        f"microseconds; error: mean, % of the total light; worst {100 * error.max():.2f} %",
+        f"microseconds; worst error {100 * error.max():.2f} %",
     )
 
 
@@ -105,23 +108,24 @@ def _clamped_cosines(radiance: NDArray[np.float32]) -> Record:
     normals = layout_named("angular").directions((64, 64)).reshape(-1, 3).astype(np.float32)
     towards = np.ascontiguousarray(light.directions.reshape(-1, 3).T.astype(np.float32))
     strengths = light.strengths.reshape(-1, 3).astype(np.float32)
-    seconds = best_seconds(lambda: light.irradiance(normals), repeats=5)
-    peer, plain = _best_of(lambda: _blocked_products(normals, towards, strengths), 5)
+    ours = best(partial(light.irradiance, normals), 5)
+    plain = blocked_products(normals, towards, strengths)
     exact = light.irradiance(normals.astype(np.float64))
     pairs = len(normals) * len(strengths)
-    return Record(
-        name="exact irradiance",
-        size=f"4096 normals x {len(strengths)} directions x 3 float32",
-        seconds=seconds,
+    return record(
+        "exact irradiance",
+        f"4096 normals x {len(strengths)} directions x 3 float32",
+        ours,
+        best(partial(blocked_products, normals, towards, strengths), 5),
         error=float(np.abs(light.irradiance(normals) - exact).max() / exact.max()),
-        peer="blocked matrix products",
-        peer_seconds=peer,
-        note=f"{1e9 * seconds / pairs:.2f} ns a pair; error: against float64, of the largest; "
-        f"the peer's {np.abs(plain - exact).max() / exact.max():.1g}",
+        peer_error=float(np.abs(plain - exact).max() / exact.max()),
+        unit="from float64, of the largest",
+        question="exact irradiance",
+        note=f"{1e9 * ours.seconds / pairs:.2f} ns a pair",
     )
 
 
-def _blocked_products(
+def blocked_products(
     normals: NDArray[np.float32], towards: NDArray[np.float32], strengths: NDArray[np.float32]
 ) -> NDArray[np.float64]:
     """Sum clamped cosines in blocks of 256 normals by 256 directions: the textbook's integral, done well."""
@@ -140,17 +144,23 @@ def probe_records() -> Iterator[Record]:
     grid = sphere_grid(70)
     normals, weights = grid.directions.astype(np.float32), grid.weights / (4 * np.pi)
     for name, light in _probes():
-        seconds, approximate = _timed(lambda light=light: hf.HarmonicLight(light.coefficients(2)).irradiance(normals))
-        peer, exact = _timed(lambda light=light: light.irradiance(normals))
+        ours = Call(
+            lambda light=light: hf.HarmonicLight(light.coefficients(2)).irradiance(normals),
+            hf.EnvironmentMap.coefficients,
+            hf.HarmonicLight.irradiance,
+        )
+        timing, approximate = once(ours)
+        peer, exact = once(Call(partial(light.irradiance, normals), about="brute force"))
         error = np.abs(approximate - exact) / light.strengths.reshape(-1, 3).sum(axis=0)
-        yield Record(
-            name=f"nine-coefficient irradiance of {name}",
-            size=f"{'x'.join(map(str, light.radiance.shape))}, {len(normals)} normals",
-            seconds=seconds,
+        yield record(
+            f"nine-coefficient irradiance of {name}",
+            f"{'x'.join(map(str, light.radiance.shape))}, {len(normals)} normals",
+            timing,
+            peer,
             error=100 * float(weights @ error.mean(axis=1)),
-            peer="brute force",
-            peer_seconds=peer,
-            note=f"error: mean, % of the total light; worst {100 * error.max():.2f} %; {PUBLISHED}",
+            unit="% of the total light, the mean",
+            question="nine-coefficient irradiance",
+            note=f"worst {100 * error.max():.2f} %; {PUBLISHED}",
         )
 
 
@@ -160,14 +170,15 @@ def grace_record() -> Iterator[Record]:
     if folder.is_dir():
         light = hf.EnvironmentMap.load(folder, layout="cube")
         table = hf.lights.published("grace").values
-        seconds, found = _timed(light.coefficients)
+        timing, found = once(Call(light.coefficients))
         scale = (found * table).sum() / (found**2).sum()
-        yield Record(
-            name="published table of Grace Cathedral",
-            size="27 numbers from 6x256x256x3",
-            seconds=seconds,
+        yield record(
+            "published table of Grace Cathedral",
+            "27 numbers from 6x256x256x3",
+            timing,
             error=float(np.abs(scale * found - table).max()),
-            note=f"error: largest difference (target 0.02; the table is rounded to 0.01); common scale {scale:.4f}",
+            unit="from the table, the largest",
+            note=f"target 0.02; the table is rounded to 0.01; common scale {scale:.4f}",
         )
 
 
@@ -177,24 +188,21 @@ def reflection_records(quick: bool) -> Iterator[Record]:
     light = light.converted("latlong", 64 if quick else 128)
     grid = sphere_grid(30)
     for material, (lobe, filter_of) in LOBES.items():
-        peer, exact = _timed(lambda lobe=lobe: reflected_exactly(light, lobe, grid.directions))
-        errors = {}
+        peer, exact = once(Call(partial(reflected_exactly, light, lobe, grid.directions), about="brute force"))
         for order in ORDERS:
-            seconds, found = _timed(
-                lambda order=order, filter_of=filter_of: reflected(light, filter_of(order), grid.directions)
-            )
+            timing, found = once(Call(partial(reflected, light, filter_of(order), grid.directions)))
             squared = ((found - exact) ** 2).reshape(len(grid.weights), -1).sum(axis=1)
             energy = (exact**2).reshape(len(grid.weights), -1).sum(axis=1)
-            errors[order] = 100 * np.sqrt(grid.weights @ squared / (grid.weights @ energy))
-        yield Record(
-            name=f"prefiltered map of {name}, {material}",
-            size=f"{'x'.join(map(str, light.radiance.shape))}, {len(grid.directions)} directions, order {ORDERS[-1]}",
-            seconds=seconds,
-            error=float(errors[ORDERS[-1]]),
-            peer="brute force",
-            peer_seconds=peer,
-            note="error: relative L2 in %; by order " + ", ".join(f"{o}: {e:.2f}" for o, e in errors.items()),
-        )
+            yield record(
+                f"prefiltered map, {material}, order {order}",
+                f"{name}, {'x'.join(map(str, light.radiance.shape))}, {len(grid.directions)} directions",
+                timing,
+                peer,
+                error=100 * float(np.sqrt(grid.weights @ squared / (grid.weights @ energy))),
+                peer_error=0.0,
+                unit="% relative L2",
+                question=f"prefiltered map, {material}",
+            )
 
 
 def _probes() -> Iterator[tuple[str, hf.EnvironmentMap]]:
@@ -206,30 +214,13 @@ def _probes() -> Iterator[tuple[str, hf.EnvironmentMap]]:
                 yield f"{layout}/{path.stem}", hf.EnvironmentMap.load(path, layout=layout)
 
 
-def _timed(function: Callable[[], Result]) -> tuple[float, Result]:
-    """Return the seconds of one call, and its result."""
-    start = time.perf_counter()
-    result = function()
-    return time.perf_counter() - start, result
-
-
-def _best_of(function: Callable[[], Result], repeats: int) -> tuple[float, Result]:
-    """Return the shortest of several calls, and the result."""
-    timed = [_timed(function) for _ in range(repeats)]
-    return min(seconds for seconds, _ in timed), timed[0][1]
-
-
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="fewer repeats, a smaller map for shiny materials")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    found = [*speed_records(options.quick), *grace_record(), *probe_records(), *reflection_records(options.quick)]
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
+def records(quick: bool) -> Iterator[Record]:
+    """Yield times, then errors where there are measured environments, then shiny materials."""
+    yield from speed_records(quick)
+    yield from grace_record()
+    yield from probe_records()
+    yield from reflection_records(quick)
 
 
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "fewer repeats, a smaller map for shiny materials", seed=0)

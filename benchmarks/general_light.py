@@ -5,19 +5,19 @@ python benchmarks/general_light.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
 import os
-import sys
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
 from harmonicface.bench.mitsuba_oracle import mitsuba_picture
+from harmonicface.bench.timing import Call, once, record
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.io.colour import luminance
@@ -137,13 +137,11 @@ def attempt(function) -> float:  # type: ignore[no-untyped-def]
         return float("nan")
 
 
-def record(subject: Subject, count: int) -> Record:
+def measured(subject: Subject, count: int) -> Record:
     """Measure one head with so many photographs."""
     photographs, normals = subject.photographs[:count], subject.surface.pixel_normals
     mask = subject.surface.mask
-    start = time.perf_counter()
-    found = general_light_stereo(photographs, mask, model="harmonic9", face=True)
-    seconds = time.perf_counter() - start
+    timing, found = once(Call(partial(general_light_stereo, photographs, mask, model="harmonic9", face=True)))
     free = general_light_stereo(photographs, mask, model="harmonic9")
     four = attempt(
         lambda: degrees(general_light_stereo(photographs, mask, model="ambient4", shadows=False).scaled, normals)
@@ -152,34 +150,27 @@ def record(subject: Subject, count: int) -> Record:
     bounds = [linear_bound(photographs, subject, rank) for rank in (4, 9)]
     single = pixel_bound(photographs, subject)
     height, width = subject.surface.shape
-    return Record(
-        name=f"unknown general light, {subject.name}",
-        size=f"{count} photographs {height} x {width}",
-        seconds=seconds,
+    return record(
+        f"unknown general light, {subject.name}",
+        f"{count} photographs {height} x {width}",
+        timing,
         error=degrees(found.scaled, normals),
-        note=f"mean angular error in degrees with the mean face as prior; without {degrees(free.scaled, normals):.2f};"
+        unit="degrees between normals, the mean",
+        seed=SEED if subject.name.startswith("ICT") else None,
+        question="unknown general light",
+        note=f"with the mean face as prior; without {degrees(free.scaled, normals):.2f};"
         f" first order alone {four:.2f}, as distant lamps {lamps:.2f}; bounds: best linear map of 4 factors"
         f" {bounds[0]:.2f}, of 9 {bounds[1]:.2f}, each pixel under the true lights {single:.2f}",
     )
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="the scanned head alone, small, from 12 photographs")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    if not (DATA / "heads").is_dir():
-        sys.exit(f"expected the heads in {DATA} (set HARMONICFACE_DATA)")
-    found = []
-    for subject in subjects(options.quick):
-        for count in (12,) if options.quick else (30, 12):
-            found.append(record(subject, count))
-            print_records(found[-1:])
-            sys.stdout.flush()
-    if options.json:
-        write_records(options.json, found)
+def records(quick: bool) -> Iterator[Record]:
+    """Yield one record a head and number of photographs."""
+    for subject in subjects(quick):
+        for count in (12,) if quick else (30, 12):
+            yield measured(subject, count)
 
 
 if __name__ == "__main__":
-    main()
+    about = "the scanned head alone, small, from 12 photographs"
+    run_benchmark(__doc__, records, about, needs=DATA / "heads", seed="the head's name")

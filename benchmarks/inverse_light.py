@@ -5,8 +5,8 @@ python benchmarks/inverse_light.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,15 @@ from harmonicface.appearance.sphere_views import combine_sphere_views, relative_
 from harmonicface.appearance.texture_separation import separate_texture
 from harmonicface.appearance.uniqueness import light_uniqueness
 from harmonicface.bench.command_line import run_benchmark
-from harmonicface.bench.measure import Record, best_seconds
+from harmonicface.bench.console import print_table
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, Stopwatch, best, record
 from harmonicface.harmonics.indexing import degrees
 
 Array = NDArray[np.float64]
 
 NOISE = 0.01
+MEDIAN = "relative L2 of orders 0-2, the median"
 VIEWS = Rotation.concatenate(
     [Rotation.from_euler("y", angle, degrees=True) for angle in (0, 90, 180, 270)]
     + [Rotation.from_euler("x", angle, degrees=True) for angle in (90, -90)]
@@ -63,19 +66,25 @@ def estimation(surface: hf.Surface, name: str, order: int, ridge: float | str, s
         errors.append(np.linalg.norm(found.coefficients[:low] - truth[:low]) / np.linalg.norm(truth))
         peers.append(np.linalg.norm(plain[:low] - truth[:low]) / np.linalg.norm(truth))
     lost = [mode.name for mode in found.unrecoverable if "odd" not in mode.reason]
-    return Record(
-        name=f"estimate_light, order {order}, ridge {ridge}",
-        size=f"{name}, {int(surface.mask.sum())} pixels",
-        seconds=best_seconds(lambda: estimate_light(photo, surface, order, ridge=ridge)),  # type: ignore[arg-type]
-        error=float(np.median(errors)),
-        peer="scipy lstsq on the images, made anew",
-        peer_seconds=best_seconds(
-            lambda: lstsq(hf.harmonic_images(surface, order).astype(np.float64)[shown].T, photo[surface.mask])
+    return record(
+        f"estimate_light, order {order}, ridge {ridge}",
+        f"{name}, {int(surface.mask.sum())} pixels",
+        best(partial(estimate_light, photo, surface, order, ridge=ridge)),
+        best(
+            Call(
+                lambda: lstsq(hf.harmonic_images(surface, order).astype(np.float64)[shown].T, photo[surface.mask]),
+                lstsq,
+                about=f"on the images of order {order}, made anew",
+            )
         ),
+        error=float(np.median(errors)),
+        peer_error=float(np.median(peers)),
+        unit=MEDIAN,
+        seed=f"0 to {seeds - 1}",
+        question=f"light of a {name}",
         note=(
-            f"error: median relative L2 of orders 0-2 over {seeds} natural lights, 1 % noise; peer's error"
-            f" {np.median(peers):.4f}; condition {found.condition:.3g}; {int(found.recoverable.sum())} of {len(plain)}"
-            f" coefficients recoverable; {len(lost)} even modes hidden or drowned: {lost[:1]}"
+            f"{seeds} natural lights, 1 % noise; condition {found.condition:.3g}; {int(found.recoverable.sum())} of"
+            f" {len(plain)} coefficients recoverable; {len(lost)} even modes hidden or drowned: {lost[:1]}"
         ),
     )
 
@@ -84,20 +93,20 @@ def honesty(surface: hf.Surface, name: str, order: int, draws: int) -> Record:
     """Compare the standard deviations that are told with those of drawn noise."""
     photo = np.asarray(hf.render(surface, hf.lights.natural(0)), np.float64)
     rng = np.random.default_rng(0)
-    start = time.perf_counter()
-    found = [
-        estimate_light(photo + rng.normal(0, NOISE, photo.shape), surface, order, noise=NOISE) for _ in range(draws)
-    ]
-    seconds = (time.perf_counter() - start) / draws
+    noisy = (photo + rng.normal(0, NOISE, photo.shape) for _ in range(draws))
+    watch = Stopwatch(estimate_light)
+    found = [watch.run(partial(estimate_light, one, surface, order, noise=NOISE)) for one in noisy]
     sure = found[0].recoverable
     ratio = np.std([each.coefficients for each in found], axis=0)[sure] / found[0].std[sure]
-    return Record(
-        name=f"standard deviations, order {order}",
-        size=f"{name}, {draws} draws",
-        seconds=seconds,
+    return record(
+        f"standard deviations, order {order}",
+        f"{name}, {draws} draws",
+        watch.timing(),
         error=float(np.abs(ratio - 1).max()),
-        note=f"error: worst |drawn / told - 1| of {int(sure.sum())} coefficients; root mean square"
-        f" {np.sqrt(np.mean((ratio - 1) ** 2)):.3f}",
+        unit="|drawn / told - 1|, the worst",
+        seed=0,
+        question="standard deviations",
+        note=f"of {int(sure.sum())} coefficients; root mean square {np.sqrt(np.mean((ratio - 1) ** 2)):.3f}",
     )
 
 
@@ -113,14 +122,15 @@ def nonnegative(seeds: int) -> Record:
         truth = light.coefficients(2)
         errors.append(_relative(nonnegative_light(photo, face, 250).light.coefficients(2), truth))
         free.append(_relative(estimate_light(photo, face).coefficients, truth))
-    return Record(
-        name="nonnegative_light",
-        size=f"face, {int(face.mask.sum())} pixels, 250 directions",
-        seconds=best_seconds(lambda: nonnegative_light(photo, face, 250), 3),
+    return record(
+        "nonnegative_light",
+        f"face, {int(face.mask.sum())} pixels, 250 directions",
+        best(partial(nonnegative_light, photo, face, 250), 3),
+        best(Call(partial(nnls, pictures, photo[face.mask], maxiter=10000), about="on all pixels"), 1),
         error=float(np.median(errors)),
-        peer="scipy nnls on all pixels",
-        peer_seconds=best_seconds(lambda: nnls(pictures, photo[face.mask], maxiter=10000), 1),
-        note=f"error: median relative L2 of orders 0-2; of estimate_light {np.median(free):.4f}",
+        unit=MEDIAN,
+        seed=f"0 to {seeds - 1}",
+        note=f"estimate_light: {np.median(free):.4f}",
     )
 
 
@@ -130,14 +140,12 @@ def lamps(count: int, noise: float, seeds: int) -> Record:
     normals = face.normals.astype(np.float64)
     normals[face.mask] /= np.linalg.norm(normals[face.mask], axis=1, keepdims=True)
     face = hf.Surface(normals, face.albedo.astype(np.float64), face.mask)
-    off, told, right, seconds = [], [], 0, []
+    off, told, right, watch = [], [], 0, Stopwatch(sparse_light)
     for seed in range(seeds):
         directions, strengths = _apart(np.random.default_rng(seed), count)
         photo = face.albedo * (np.maximum(face.normals @ directions.T, 0) @ strengths)
         photo = photo + np.random.default_rng(seed).normal(0, noise, photo.shape) * face.mask
-        start = time.perf_counter()
-        found = sparse_light(photo, face)
-        seconds.append(time.perf_counter() - start)
+        found = watch.run(partial(sparse_light, photo, face))
         if len(found.light.directions) == count:
             right += 1
             towards = found.light.directions
@@ -146,12 +154,15 @@ def lamps(count: int, noise: float, seeds: int) -> Record:
             )
             off.append(np.degrees(angles[linear_sum_assignment(angles)]))
             told.append(found.std_degrees)
-    return Record(
-        name=f"sparse_light, {count} lamps, noise {noise}",
-        size=f"face, {int(face.mask.sum())} pixels, {seeds} lights",
-        seconds=float(np.median(seconds)),
+    return record(
+        f"sparse_light, {count} lamps, noise {noise}",
+        f"face, {int(face.mask.sum())} pixels, {seeds} lights",
+        watch.timing(),
         error=float(np.sqrt(np.mean(np.square(off)))),
-        note=f"error: root mean square degrees, worst {np.max(off):.3g}, told {np.sqrt(np.mean(np.square(told))):.3g};"
+        unit="degrees, root mean square",
+        seed=f"0 to {seeds - 1}",
+        question="sparse_light",
+        note=f"worst {np.max(off):.3g}, told {np.sqrt(np.mean(np.square(told))):.3g};"
         f" the number of lamps, not given, right in {right} of {seeds}",
     )
 
@@ -179,15 +190,18 @@ def experiment(seeds: int, size: int) -> list[Record]:
             share = np.linalg.norm(irradiance[degrees(4) == 3]) / np.linalg.norm(irradiance)
             third.setdefault(name, []).append(float(share))
             if seed == 0 and name == "bias 2 % after averaging, linear limb":
-                print(_table(irradiance, found, real))
-    seconds = best_seconds(lambda: combine_sphere_views(photos, VIEWS).light(4), 3)
+                print_table("one light of the experiment", *_table(irradiance, found, real))
+    timing = best(Call(lambda: combine_sphere_views(photos, VIEWS).light(4), combine_sphere_views), 3)
     return [
-        Record(
-            name=f"matte ball against mirror ball, noise 1 %, {name}",
-            size=f"{seeds} natural lights, six photos {size} x {size}",
-            seconds=seconds,
+        record(
+            f"matte ball against mirror ball, noise 1 %, {name}",
+            f"{seeds} natural lights, six photos {size} x {size}",
+            timing,
             error=float(np.median(errors)),
-            note=f"error: median relative L2 of order 4, from {min(errors):.3f} to {max(errors):.3f}; of orders 0-2"
+            unit="relative L2 of order 4, the median",
+            seed=f"0 to {seeds - 1}",
+            question="matte ball against mirror ball, noise 1 %",
+            note=f"from {min(errors):.3f} to {max(errors):.3f}; of orders 0-2"
             f" {np.median(low[name]):.4f}, at most {max(low[name]):.4f}; order-3 irradiance at most"
             f" {max(third[name]):.5f} of all",
         )
@@ -227,16 +241,16 @@ def _departure(full: Array, bare: Array, areas: Array) -> float:
     return float(np.sqrt(areas @ (full - scale * bare) ** 2 / (areas @ bare**2)))
 
 
-def _table(irradiance: Array, found: Array, real: Array) -> str:
-    """Return the experiment's table: E_lm, the filter, recovered and real light after one scale."""
+def _table(irradiance: Array, found: Array, real: Array) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the experiment: E_lm, the filter, recovered and real light after one scale."""
     scale = (found[:9] @ real[:9]) / (found[:9] @ found[:9])
     filters = (np.pi, 2 * np.pi / 3, np.pi / 4, 0.0, -np.pi / 24)
-    lines = ["(l, m)      E_lm      A_l   recovered   real"]
+    rows = []
     for i, degree in enumerate(degrees(4)):
-        recovered = f"{scale * found[i]:9.3f} {real[i]:9.3f}" if degree != 3 else f"{'':9} {'':9}"
+        recovered = [f"{scale * found[i]:.3f}", f"{real[i]:.3f}"] if degree != 3 else ["", ""]
         mode = i - degree * (degree + 1)
-        lines.append(f"({degree},{mode:2d}) {scale * irradiance[i]:9.4f} {filters[degree]:8.3f} {recovered}")
-    return "\n".join(lines)
+        rows.append([f"({degree},{mode:2d})", f"{scale * irradiance[i]:.4f}", f"{filters[degree]:.3f}", *recovered])
+    return ["(l, m)", "E_lm", "A_l", "recovered", "real"], rows
 
 
 def texture(seeds: int) -> Record:
@@ -250,12 +264,14 @@ def texture(seeds: int) -> Record:
         inside = split.told[face.mask]
         ours.append(_relative(split.texture[face.mask][inside], truth[inside]))
         raw.append(_relative(photo[face.mask] * truth.mean() / photo[face.mask].mean(), truth))
-    return Record(
-        name="separate_texture",
-        size=f"{seeds} faces 48 x 48 under natural light",
-        seconds=best_seconds(lambda: separate_texture(photo, face), 3),
+    return record(
+        "separate_texture",
+        f"{seeds} faces 48 x 48 under natural light",
+        best(partial(separate_texture, photo, face), 3),
         error=float(np.median(ours)),
-        note=f"error: median relative L2 of the albedo; the photograph's own, scaled: {np.median(raw):.3f}",
+        unit="relative L2 of the albedo, the median",
+        seed=f"0 to {seeds - 1}",
+        note=f"the photograph's own, scaled: {np.median(raw):.3f}",
     )
 
 
@@ -270,13 +286,13 @@ def uniqueness() -> list[Record]:
         normals = fibonacci_sphere(1000)
         exact = light.irradiance(normals)
         records.append(
-            Record(
-                name="light_uniqueness",
-                size=name,
-                seconds=best_seconds(lambda light=light: light_uniqueness(light), 3),  # type: ignore[misc]
+            record(
+                "light_uniqueness",
+                name,
+                best(partial(light_uniqueness, light), 3),
                 error=float(np.abs(report.alternative.irradiance(normals) - exact).max() / exact.max()),
-                note=f"error: relative difference of irradiance to another light that differs in"
-                f" {100 * report.share:.2f} % (bound {100 * report.bound:.2f} %)",
+                unit="of the irradiance, the largest",
+                note=f"another light, which differs in {100 * report.share:.2f} % (bound {100 * report.bound:.2f} %)",
             )
         )
     return records

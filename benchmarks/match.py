@@ -1,23 +1,27 @@
 """How fast is one match? Beside the one matrix product that any scan of all people has to do.
 
-Run it as `python benchmarks/match.py [--quick] [--json FILE]`.
+python benchmarks/match.py [--quick] [--json FILE]
 """
 
 from __future__ import annotations
 
-import argparse
+from functools import partial
 
 import numpy as np
 
 import harmonicface as hf
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
+from harmonicface.bench.table import WRONG
+from harmonicface.bench.timing import Call, best, record
 
 SIZE = 64
 QUERIES = 40
 
 
-def records(people: int) -> list[Record]:
+def records(quick: bool) -> list[Record]:
     """Time `Gallery.match` of one photograph against the product of all rows with it."""
+    people = 200 if quick else 1000
     gallery = hf.Gallery("harmonic9")
     everybody = list(hf.synthetic_people(people, SIZE, seed=0))
     for index, surface in enumerate(everybody):
@@ -29,18 +33,19 @@ def records(people: int) -> list[Record]:
     stacked = np.concatenate([hf.Subspace.of(_all_pixels(surface)).rows for surface in everybody])
     vector = photos[0].ravel()
     product = np.empty(len(stacked), np.float32)
-    seconds = float(np.median([best_seconds(lambda: gallery.match(photo), repeats=3) for photo in photos]))  # noqa: B023
-    peer = float(np.median([best_seconds(lambda: np.dot(stacked, vector, out=product), repeats=3) for _ in photos]))
+    about = f"{stacked.shape[0]} x {stacked.shape[1]} float32 with the photo"
+    ours = sorted((best(partial(gallery.match, photo), 3) for photo in photos), key=lambda timing: timing.seconds)
+    peer = best(Call(partial(np.dot, stacked, vector, out=product), about=about), 3 * QUERIES)
     return [
-        Record(
-            name="match one photo",
-            size=f"{people} people {SIZE}x{SIZE}",
-            seconds=seconds,
-            bytes=stacked.nbytes,
+        record(
+            "match one photo",
+            f"{people} people {SIZE}x{SIZE}",
+            ours[len(ours) // 2],
+            peer,
             error=100 * wrong / QUERIES,
-            peer=f"numpy product of {stacked.shape[0]} x {stacked.shape[1]} float32 with the photo",
-            peer_seconds=peer,
-            note=f"error: % of {QUERIES} photos under one lamp given to the wrong person; the product names nobody",
+            unit=WRONG,
+            bytes=stacked.nbytes,
+            note=f"the median of {QUERIES} photos under one lamp; the product names nobody",
         )
     ]
 
@@ -57,17 +62,5 @@ def _all_pixels(surface: hf.Surface) -> np.ndarray:
     return images
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="200 people instead of 1,000")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    found = records(200 if options.quick else 1000)
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "200 people instead of 1,000", seed=0)

@@ -5,9 +5,9 @@ python benchmarks/materials.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,9 @@ from scipy.integrate import quad
 from scipy.optimize import least_squares
 from scipy.special import eval_legendre, gammaln, gammasgn
 
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, best, record
 from harmonicface.harmonics.quadrature import project, sphere_grid
 from harmonicface.reflectance.lobe_fit import LobeFit, fit_roughness, fit_shininess
 from harmonicface.reflectance.microfacet import microfacet_filter, microfacet_gaussian
@@ -53,14 +55,15 @@ def _phong(order: int) -> Record:
     def worst(values: Array) -> float:
         return float(np.abs(values / truth - 1).max())
 
-    return Record(
-        name="Phong filter of a broken exponent",
-        size=f"s = {s}, degrees 0 to {order}",
-        seconds=best_seconds(lambda: phong_filter(s, order)),
+    return record(
+        "Phong filter of a broken exponent",
+        f"s = {s}, degrees 0 to {order}",
+        best(partial(phong_filter, s, order)),
+        best(Call(closed, about="in which scipy's logarithms of gamma functions are added up")),
         error=worst(phong_filter(s, order)),
-        peer="scipy's logarithms of gamma functions in the closed form",
-        peer_seconds=best_seconds(closed),
-        note=f"error: largest relative one against exact fractions; the peer's {worst(closed()):.2g}",
+        peer_error=worst(closed()),
+        unit="relative to exact fractions, the largest",
+        question="Phong filter of a broken exponent",
     )
 
 
@@ -74,14 +77,16 @@ def _microfacet(order: int) -> Record:
         values = [quad(integrand, 0, np.pi / 2, (d,), epsabs=1e-13, limit=500)[0] for d in range(order + 1)]
         return np.array(values) / (2 * sigma**2)
 
-    return Record(
-        name="microfacet filter",
-        size=f"sigma = {sigma}, degrees 0 to {order}",
-        seconds=best_seconds(lambda: microfacet_filter(sigma, order)),
+    return record(
+        "microfacet filter",
+        f"sigma = {sigma}, degrees 0 to {order}",
+        best(partial(microfacet_filter, sigma, order)),
+        best(Call(adaptive, quad, about="degree by degree"), 1),
         error=float(np.abs(microfacet_filter(sigma, order) - adaptive()).max()),
-        peer="scipy.integrate.quad, degree by degree",
-        peer_seconds=best_seconds(adaptive, repeats=1),
-        note="error: largest difference from the peer, whose own bound is 1e-13",
+        peer_error=1e-13,
+        unit="of a filter that begins at 1, the largest",
+        question="microfacet filter",
+        note="error: the largest difference from the peer, whose own bound is 1e-13",
     )
 
 
@@ -90,14 +95,15 @@ def _gaussians(
 ) -> Iterator[Record]:
     truth = exact(width, 100)
     for form in ("paper", "linear", "matched"):
-        yield Record(
-            name=f"{form} Gaussian for {name}",
-            size="degrees 0 to 100",
-            seconds=best_seconds(lambda form=form: gaussian(width, 100, form)),
+        yield record(
+            f"{form} Gaussian for {name}",
+            "degrees 0 to 100",
+            best(partial(gaussian, width, 100, form)),
+            best(Call(partial(exact, width, 100), about="the exact filter")),
             error=float(np.abs(gaussian(width, 100, form) - truth).max()),
-            peer="the exact filter",
-            peer_seconds=best_seconds(lambda: exact(width, 100)),
-            note="error: largest over the degrees, where the filter begins at 1",
+            peer_error=0.0,
+            unit="of a filter that begins at 1, the largest",
+            question="Gaussians in place of filters",
         )
 
 
@@ -143,32 +149,28 @@ def _fits(
     theirs = [abs(peer(reflected) / width - 1) for reflected in seen]
     covered = np.mean([answer.low <= width <= answer.high for answer in answers])
     reported = 100 * np.median([answer.std / answer.value for answer in answers])
-    return Record(
-        name=name,
-        size=f"{width:g}, order {FIT_ORDER}, noise {100 * NOISE:g} % of degree 0",
-        seconds=best_seconds(lambda: fit(seen[0], light, noise)),
+    return record(
+        name,
+        f"{width:g}, order {FIT_ORDER}, noise {100 * NOISE:g} % of degree 0",
+        best(partial(fit, seen[0], light, noise)),
+        best(Call(partial(peer, seen[0]), least_squares, about="from twice the answer, which gives no interval")),
         error=100 * float(np.median(errors)),
-        peer="scipy.optimize.least_squares from twice the answer, which gives no interval",
-        peer_seconds=best_seconds(lambda: peer(seen[0])),
+        peer_error=100 * float(np.median(theirs)),
+        unit="% of the width, the median",
+        question="widths of lobes",
         note=(
-            f"error: median % of {runs} noisy reflections, 95 of 100 below {100 * np.quantile(errors, 0.95):.3g} %; "
+            f"of {runs} noisy reflections 95 of 100 below {100 * np.quantile(errors, 0.95):.3g} %; "
             f"reported deviation {reported:.3g} %, 95 % interval covers {100 * covered:.1f} %, noise amplified "
-            f"{np.median([answer.gain for answer in answers]):.3g} times; the peer's {100 * np.median(theirs):.3g} %"
+            f"{np.median([answer.gain for answer in answers]):.3g} times"
         ),
     )
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="fewer degrees and fewer noisy reflections")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    found = [*filter_records(options.quick), *fit_records(options.quick)]
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
+def records(quick: bool) -> Iterator[Record]:
+    """Yield filters, then fits."""
+    yield from filter_records(quick)
+    yield from fit_records(quick)
 
 
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "fewer degrees and fewer noisy reflections", seed=0)

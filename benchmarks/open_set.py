@@ -2,16 +2,18 @@
 
 Yale B, subsets 1 to 4, random splits of the people into enrolled and unknown. The threshold comes from enrolled people
 only, from the photographs that they were enrolled from (`Gallery.calibrate`), which are not searched with. The way to
-predict strangers was chosen on people 1 to 5. Run it as `python benchmarks/open_set.py [--quick] [--json FILE]`.
+predict strangers was chosen on people 1 to 5.
+
+python benchmarks/open_set.py [--quick] [--json FILE]
 """
 
 from __future__ import annotations
 
 import os
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from numpy.typing import NDArray
 
 from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Stopwatch, record
 from harmonicface.bench.yale_b import enrolled_people
 from harmonicface.bench.yale_contenders import ClassifierContender
 from harmonicface.datasets.yale_b import YalePerson, load_yale_b
@@ -30,6 +33,7 @@ from harmonicface.recognition.intervals import rate
 DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data")) / "yaleb"
 GROUPS = {"all": range(1, 12), "1-5": range(1, 6), "6-11": range(6, 12)}
 FPIR = 0.01
+UNIT = "% of searches for enrolled people that do not identify them"
 PEERS = ("tan_triggs", "lbph", "gradient_angle", "harmonic9", "eigenfaces_minus3")
 
 MEASURES = ("patterns", "surprises", "rendered", "closeness")
@@ -87,16 +91,16 @@ def splits(faces: Sequence[YalePerson], count: int) -> Iterator[tuple[list[YaleP
         yield [faces[i] for i in order[:half]], [faces[i] for i in order[half:]]
 
 
-def looked(gallery: Gallery, faces: Sequence[YalePerson], one: bool, times: list[float]) -> list[Look]:
+def looked(gallery: Gallery, faces: Sequence[YalePerson], one: bool, watch: Stopwatch) -> list[Look]:
     """Compare photographs of subsets 1 to 4 with everybody; how alike one person is does not depend on the others."""
     people, found = gallery._people, []
     for face in faces:
         enrolled = chosen_photographs(face, one)
         for place in np.flatnonzero(face.subsets <= 4):
             photo = face.photographs[place]
-            start = time.perf_counter()
-            seen = second_look(people.photograph(*people.asked(photo, None)), people.portraits)
-            times.append(time.perf_counter() - start)
+            seen = watch.run(
+                lambda photo=photo: second_look(people.photograph(*people.asked(photo, None)), people.portraits)  # type: ignore[misc]
+            )
             found.append(Look(face.number, photo, bool(enrolled[place]), seen))
     return found
 
@@ -137,8 +141,8 @@ def ours(faces: Sequence[YalePerson], count: int, one: bool, renderings: bool) -
         lights = None if one else face.lights[chosen_photographs(face, one)]
         everybody.enroll(str(face.number), photographs, lights=lights)
     outcomes: dict[str, list[Outcome]] = {group: [] for group in GROUPS}
-    times: list[float] = []
-    looks = looked(everybody, faces, one, times)
+    watch = Stopwatch(second_look)
+    looks = looked(everybody, faces, one, watch)
     thresholds, promised, matched, off = [], [], np.zeros(4, int), 0.0
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "everybody.gallery"
@@ -165,12 +169,15 @@ def ours(faces: Sequence[YalePerson], count: int, one: bool, renderings: bool) -
     kind = "one photograph" if one else "subset 1"
     how = "renderings" if renderings else "their photographs"
     right, known, named, others = matched
-    return Record(
-        name=f"open set, enrolled from {kind}, calibrated on {how}",
-        size=f"{len(faces) // 2} of {len(faces)} people, {count} splits",
-        seconds=float(np.median(times)),
+    return record(
+        f"open set, enrolled from {kind}, calibrated on {how}",
+        f"{len(faces) // 2} of {len(faces)} people, {count} splits",
+        watch.timing(),
         error=100 - 100 * mean_identified(outcomes["all"]),
-        note=f"error: % of searches for enrolled people that do not identify them; {described(outcomes)}; "
+        unit=UNIT,
+        seed=f"0 to {count - 1}",
+        question="open set",
+        note=f"{described(outcomes)}; "
         f"{interval(outcomes, looks)}; "
         f"threshold {np.mean(thresholds):.2f} +- {np.std(thresholds):.2f}; with 10 times as many people expected "
         f"{100 * np.mean(promised):.1f} % false alarms; by `match` on a tenth of the photographs {right} of {known} "
@@ -219,12 +226,10 @@ def peer(name: str, faces: Sequence[YalePerson], count: int) -> Record:
     """Search with a method that has distances only, at the threshold that strangers themselves set, in its favour."""
     method = ClassifierContender(name)
     method.enroll(enrolled_people(faces, "subset1"))
-    distances, people, times = [], [], []
+    distances, people, watch = [], [], Stopwatch()
     for face in faces:
         for photo in face.photographs[(face.subsets > 1) & (face.subsets <= 4)]:
-            start = time.perf_counter()
-            distances.append(method.distances(photo))
-            times.append(time.perf_counter() - start)
+            distances.append(watch.run(partial(method.distances, photo)))
             people.append(face.number)
     table, asked, numbers = np.array(distances), np.array(people), np.array([face.number for face in faces])
     found: dict[str, list[float]] = {"distance": [], "distance over that of the others": []}
@@ -239,13 +244,15 @@ def peer(name: str, faces: Sequence[YalePerson], count: int) -> Record:
             )
             found[kind].append(outcome.identified)
     best = max(found, key=lambda kind: float(np.mean(found[kind])))
-    return Record(
-        name=f"open set, {name}, enrolled from subset 1",
-        size=f"{len(faces) // 2} of {len(faces)} people, {count} splits",
-        seconds=float(np.median(times)),
+    return record(
+        f"open set, {name}, enrolled from subset 1",
+        f"{len(faces) // 2} of {len(faces)} people, {count} splits",
+        watch.timing(),
         error=100 - 100 * float(np.mean(found[best])),
-        note="error: % of searches for enrolled people that do not identify them where 1 % of strangers' raise an "
-        "alarm, as measured on these strangers; "
+        unit=UNIT,
+        seed=f"0 to {count - 1}",
+        question="open set",
+        note="where 1 % of strangers' searches raise an alarm, as measured on these strangers; "
         + "; ".join(f"by {kind} {100 - 100 * np.mean(one):.2f}" for kind, one in found.items()),
     )
 

@@ -7,14 +7,16 @@ the defaults.
 The crop decides much. The papers show faces closely cropped; the data set is cropped wider, with outline and some hair.
 Both are measured, "the face alone" being rows 48 to 160 and columns 36 to 132 of 192 x 168, at 42 x 36 pixels: there
 methods that compare photographs do as was published, and those of nine dimensions worse.
+
+python benchmarks/published.py [--quick] [--json FILE]
 """
 
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -24,6 +26,8 @@ from numpy.typing import NDArray
 from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.measure import Record
 from harmonicface.bench.published import DIFFERENCES, Published, published
+from harmonicface.bench.table import WRONG
+from harmonicface.bench.timing import Stopwatch, record
 from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.recognition.estimators.base import FaceClassifier
 from harmonicface.recognition.estimators.nine_points import nearest_to_nine
@@ -88,7 +92,7 @@ def chosen(table: Table, row: Published) -> NDArray[np.bool_]:
     return training
 
 
-def record(row: Published, table: Table, registration: bool = False) -> Record:
+def measured(row: Published, table: Table, registration: bool = False) -> Record:
     """Measure one method."""
     training = chosen(table, row)
     asked = table.subsets <= 4
@@ -97,19 +101,19 @@ def record(row: Published, table: Table, registration: bool = False) -> Record:
     classifier = fitted(NAMES.get(row.ours, row.ours), table, training, registration)
     wrong = classifier.predict(table.pixels[asked]) != table.people[asked]
     queries = table.pixels[asked][:: max(1, int(asked.sum()) // TIMED)]
-    start = time.perf_counter()
+    watch = Stopwatch(classifier.predict)
     for query in queries:
-        classifier.predict(query[None])
-    seconds = (time.perf_counter() - start) / len(queries)
+        watch.run(partial(classifier.predict, query[None]))
     theirs, found = row.rate(SUBSETS), float(wrong.mean())
     place = "below" if found < theirs.low else "above" if found > theirs.high else "inside"
     by_subset = " / ".join(f"{100 * np.mean(wrong[table.subsets[asked] == subset]):.1f}" for subset in (1, 2, 3, 4))
     height, width = table.shape
     how = f"{table.about}, {height} x {width}" + (", registered" if registration else "")
-    note = f"% error: {wrong.sum()} of {len(wrong)}; subsets 1 to 4: {by_subset}; published {theirs}: {place}"
+    note = f"{wrong.sum()} of {len(wrong)}; subsets 1 to 4: {by_subset}; published {theirs}: {place}"
     if place != "inside" and table.about == WIDE and row.ours in DIFFERENCES:
         note += f": {DIFFERENCES[row.ours]}"
-    return Record(row.ours, how, seconds, 100 * found, note=note)
+    question = f"{table.about}{', registered' if registration else ''}"
+    return record(row.ours, how, watch.timing(), error=100 * found, unit=WRONG, question=question, note=note)
 
 
 def records(quick: bool) -> Iterator[Record]:
@@ -119,11 +123,11 @@ def records(quick: bool) -> Iterator[Record]:
     for table in (face,) if quick else (wide, face):
         for row in rows:
             if not (quick and row.ours in FEW_SECONDS):
-                yield record(row, table)
+                yield measured(row, table)
     if not quick:
         for row in rows:
             if NAMES.get(row.ours, row.ours) in FROM_SURFACES:
-                yield record(row, wide, registration=True)
+                yield measured(row, wide, registration=True)
 
 
 if __name__ == "__main__":

@@ -5,16 +5,18 @@ python benchmarks/rasterizer.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
 import os
-from collections.abc import Callable
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import trimesh
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, in_turn, record
 from harmonicface.io.meshes import Mesh, read_mesh
 from harmonicface.surfaces.mesh import surface_from_mesh
 from harmonicface.surfaces.raster import Raster, rasterize
@@ -65,15 +67,6 @@ class Rays:
         return result
 
 
-def paired_seconds(
-    ours: Callable[[], object], theirs: Callable[[], object], rounds: int, calls: int
-) -> tuple[float, float]:
-    """Return the best times of both, taken in turns, so that what else the machine does falls on both."""
-    times = [(best_seconds(ours, calls), best_seconds(theirs, calls)) for _ in range(rounds)]
-    best = np.min(times, axis=0)
-    return float(best[0]), float(best[1])
-
-
 def agreement(raster: Raster, rays: Rays, extent: float) -> tuple[float, str]:
     """Return the RMS difference of depth in parts of the mesh's extent, and in words what differs otherwise."""
     depth = rays.depth()
@@ -82,7 +75,7 @@ def agreement(raster: Raster, rays: Rays, extent: float) -> tuple[float, str]:
     same = np.abs(difference) < 1e-5
     alone = int((raster.mask != np.isfinite(depth)).sum())
     note = (
-        f"error: RMS difference of depth in parts of the mesh's, at the {100 * same.mean():.3f} % of pixels "
+        f"error: at the {100 * same.mean():.3f} % of pixels "
         f"where it is below 1e-5; {int((~same).sum())} pixels see another layer, {alone} only one of both sees the mesh"
     )
     return float(np.sqrt((difference[same] ** 2).mean())), note
@@ -96,22 +89,20 @@ def rasterizing(mesh: Mesh, frame: tuple[float, ...] | None, name: str, quick: b
     raster = rasterize(points, mesh.faces, view.shape)
     error, note = agreement(raster, rays, float(np.ptp(points[:, 2])))
     records = []
-    for peer, function in (
-        ("trimesh + embreex, the tree built before", rays.cast),
-        ("trimesh + embreex, building included", rays.build_and_cast),
+    cast = rays.built.intersects_first
+    for call in (
+        Call(rays.cast, cast, about="by embreex, the tree built before"),
+        Call(rays.build_and_cast, cast, about="by embreex, building included"),
     ):
-        seconds, peer_seconds = paired_seconds(
-            lambda: rasterize(points, mesh.faces, view.shape), function, 3 if quick else 6, 5
-        )
+        ours = partial(rasterize, points, mesh.faces, view.shape)
         records.append(
-            Record(
-                name="one triangle per pixel",
-                size=f"{name}, {len(mesh.faces)} faces, {SIZE} x {SIZE}",
-                seconds=seconds,
+            record(
+                "one triangle per pixel",
+                f"{name}, {len(mesh.faces)} faces, {SIZE} x {SIZE}",
+                *in_turn(ours, call, 3 if quick else 6, 5),
                 error=error,
+                unit="RMS of depth, in parts of the mesh's",
                 bytes=raster.triangle.nbytes + raster.weights.nbytes + raster.depth.nbytes,
-                peer=peer,
-                peer_seconds=peer_seconds,
                 note=f"ours has weights and depth too, the peer the triangle alone; {note}",
             )
         )
@@ -129,38 +120,28 @@ def whole_surface(mesh: Mesh, frame: tuple[float, ...], name: str, quick: bool) 
     means = depth.reshape(SIZE, PARTS, SIZE, PARTS).mean(axis=(1, 3))
     assert surface.depth is not None
     difference = (surface.depth - means)[whole] / np.ptp(depth[np.isfinite(depth)])
-    seconds, peer_seconds = paired_seconds(
-        lambda: surface_from_mesh(mesh, SIZE, frame=frame, supersample=PARTS), rays.cast, 1 if quick else 3, 2
-    )
-    return Record(
-        name="a Surface from a mesh",
-        size=f"{name}, {SIZE} x {SIZE} of {PARTS} x {PARTS} samples",
-        seconds=seconds,
+    ours = partial(surface_from_mesh, mesh, SIZE, frame=frame, supersample=PARTS)
+    about = f"by embreex, {PARTS}² rays per pixel, the tree built before"
+    peer = Call(rays.cast, rays.built.intersects_first, about=about)
+    return record(
+        "a Surface from a mesh",
+        f"{name}, {SIZE} x {SIZE} of {PARTS} x {PARTS} samples",
+        *in_turn(ours, peer, 1 if quick else 3, 2),
         error=float(np.median(np.abs(difference))),
+        unit="of what the picture spans, the median",
         bytes=surface.normals.nbytes + surface.albedo.nbytes + surface.mask.nbytes + surface.depth.nbytes,
-        peer=f"trimesh + embreex, {PARTS}² rays per pixel, the tree built before",
-        peer_seconds=peer_seconds,
         note="ours with smooth normals, filtered texture and means over the pixel, the peer the triangles alone; "
-        "error: median difference of depth in parts of what the picture spans",
+        "error: of depth",
     )
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="fewer repetitions")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    if not DATA.is_dir():
-        parser.exit(1, f"no real data: {DATA} is not there (set HARMONICFACE_DATA)\n")
+def records(quick: bool) -> Iterator[Record]:
+    """Yield times of rasters, then of a whole Surface."""
     mesh = head()
-    found = rasterizing(mesh, FACE, "scanned face", options.quick)
-    found += rasterizing(mesh, None, "scanned bust", options.quick)
-    found.append(whole_surface(mesh, FACE, "scanned face", options.quick))
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
+    yield from rasterizing(mesh, FACE, "scanned face", quick)
+    yield from rasterizing(mesh, None, "scanned bust", quick)
+    yield whole_surface(mesh, FACE, "scanned face", quick)
 
 
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, records, "fewer repetitions", needs=DATA / "heads")

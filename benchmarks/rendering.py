@@ -9,10 +9,9 @@ picture, with the part that is mitsuba's own noise taken away; the note has the 
 
 from __future__ import annotations
 
-import argparse
 import os
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +19,10 @@ from scipy.ndimage import binary_erosion
 
 import harmonicface as hf
 from harmonicface.bench.agreement import Agreement, agreement
-from harmonicface.bench.measure import Record, print_records, write_records
-from harmonicface.bench.mitsuba_oracle import mitsuba_picture
+from harmonicface.bench.command_line import benchmark_parser, finish, there
+from harmonicface.bench.measure import Record
+from harmonicface.bench.mitsuba_oracle import mitsuba_picture, mitsuba_renderer
+from harmonicface.bench.timing import Stopwatch, Timing, once, record
 from harmonicface.people.ict import ict_person
 
 DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data"))
@@ -31,6 +32,7 @@ UPWARD = 20.0  # degrees that the lamps stand up from the horizontal plane, wher
 PATHS, PATHS_OF_A_LAMP = 256, 64  # in each pixel of each picture of mitsuba's; its noise under lamps is far lower
 QUIET = 0.01  # the noise at which no more of its pictures are asked for
 MOST_PICTURES, MOST_QUICK = 4, 2
+UNIT = "% RMS of the picture's, mitsuba's noise taken away; mitsuba: its noise"
 ENOUGH = {"shadows": 0.02, "one bounce": 0.04}
 
 Head = Callable[[int], hf.Surface]
@@ -67,16 +69,17 @@ def lamp(angle: float) -> hf.Light:
     return hf.lights.directional([across * np.cos(around), across * np.sin(around), np.cos(np.radians(angle))])
 
 
-def oracle(surface: hf.Surface, light: hf.Light, depth: int | None, most: int) -> tuple[list[np.ndarray], float]:
-    """Return mitsuba's pictures, as many as it takes to be quiet, and the seconds they took."""
+def oracle(surface: hf.Surface, light: hf.Light, depth: int | None, most: int) -> tuple[list[np.ndarray], Timing]:
+    """Return mitsuba's pictures, as many as it takes to be quiet, and the time they took, the scene's included."""
     scene, mask = surface.scene, inner(surface)
     assert scene is not None
     pictures: list[np.ndarray] = []
     paths = paths_under(light)
-    start = time.perf_counter()
+    watch = Stopwatch(mitsuba_renderer(), about=f"{paths} paths per pixel, until the noise is low")
     while len(pictures) < 2 or (len(pictures) < most and agreement(pictures[0], pictures, mask).noise > QUIET):
-        pictures.append(mitsuba_picture(scene.mesh, scene.view, light, paths, depth, seed=len(pictures)))
-    return pictures, time.perf_counter() - start
+        seed = len(pictures)
+        pictures.append(watch.run(partial(mitsuba_picture, scene.mesh, scene.view, light, paths, depth, seed=seed)))
+    return pictures, watch.timing(sum)
 
 
 def paths_under(light: hf.Light) -> int:
@@ -97,27 +100,28 @@ def coloured(picture: np.ndarray) -> np.ndarray:
 def compare(name: str, surface: hf.Surface, label: str, light: hf.Light, most: int) -> Iterator[Record]:
     """Compare pictures with shadows, with one bounce and without shadows with mitsuba's."""
     mask = inner(surface)
-    direct, direct_seconds = oracle(surface, light, None, most)
-    bounced, bounced_seconds = oracle(surface, light, 3, most)
-    for what, pictures, peer_seconds, options in (
-        ("shadows", direct, direct_seconds, {"shadows": True}),
-        ("one bounce", bounced, bounced_seconds, {"bounces": 1}),
-        ("no shadows, against mitsuba with", direct, direct_seconds, {}),
-        ("no bounce, against mitsuba with one", bounced, bounced_seconds, {"shadows": True}),
+    direct, direct_timing = oracle(surface, light, None, most)
+    bounced, bounced_timing = oracle(surface, light, 3, most)
+    for what, pictures, peer, options in (
+        ("shadows", direct, direct_timing, {"shadows": True}),
+        ("one bounce", bounced, bounced_timing, {"bounces": 1}),
+        ("no shadows, against mitsuba with", direct, direct_timing, {}),
+        ("no bounce, against mitsuba with one", bounced, bounced_timing, {"shadows": True}),
     ):
-        start = time.perf_counter()
-        picture = hf.render(surface, light, **options)
-        seconds = time.perf_counter() - start
+        timing, picture = once(partial(hf.render, surface, light, **options))
         found = agreement(coloured(picture), pictures, mask)
-        yield Record(
-            name=f"render, {what}",
-            size=f"{name} {surface.shape[0]} x {surface.shape[1]}, {label}",
-            seconds=seconds,
-            error=found.error,
+        yield record(
+            f"render, {what}, {label}",
+            f"{name} {surface.shape[0]} x {surface.shape[1]}",
+            timing,
+            peer,
+            error=100 * found.error,
+            peer_error=100 * found.noise,
+            unit=UNIT,
             bytes=picture.nbytes,
-            peer=f"mitsuba, {len(pictures)} x {paths_under(light)} paths per pixel",
-            peer_seconds=peer_seconds,
-            note=in_words(found),
+            seed="0, 1, ...",
+            question=f"render, {what}",
+            note=f"{len(pictures)} pictures of mitsuba's; {in_words(found)}",
         )
 
 
@@ -129,11 +133,11 @@ def in_words(found: Agreement) -> str:
     )
 
 
-def summary(records: list[Record]) -> list[str]:
+def summary(records: Sequence[Record]) -> list[str]:
     """Return the range of errors of each kind, beside what is asked for."""
     lines = []
-    for name in dict.fromkeys(record.name for record in records):
-        errors = [100 * record.error for record in records if record.name == name and record.error is not None]
+    for name in dict.fromkeys(one.question for one in records):
+        errors = [one.error for one in records if one.question == name and one.error is not None]
         limit = ENOUGH.get(name.removeprefix("render, "))
         asked = "" if limit is None else f"; at most {100 * limit:.0f} % asked"
         middle = np.median(errors)
@@ -144,29 +148,28 @@ def summary(records: list[Record]) -> list[str]:
 
 
 def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="one head at 64 x 64 under three lights")
-    parser.add_argument("--json", help="write the records here")
+    """Run, and say the range of errors of each kind."""
+    parser = benchmark_parser(__doc__, "one head at 64 x 64 under three lights")
     parser.add_argument("--heads", nargs="+", help="some of the heads: LeePerrySmith, 'ICT 0' and so on")
     parser.add_argument("--lights", nargs="+", help="some of the lights: 'lamp at 60', ennis and so on")
     options = parser.parse_args()
-    if not DATA.is_dir():
-        parser.exit(1, f"no real data: {DATA} is not there (set HARMONICFACE_DATA)\n")
+    if not there(DATA / "heads"):
+        return
     size, most = (64, MOST_QUICK) if options.quick else (128, MOST_PICTURES)
     named = options.heads or (["LeePerrySmith"] if options.quick else list(heads()))
     everywhere = lights()
     lit = options.lights or (["lamp at 60", "lamp at 85", "uffizi"] if options.quick else list(everywhere))
-    found: list[Record] = []
-    for name in named:
-        surface = heads()[name](size)
-        for label in lit:
-            new = list(compare(name, surface, label, everywhere[label], most))
-            print_records(new)
-            found += new
+    seen = ((name, heads()[name](size)) for name in named)
+    found = finish(
+        (
+            one
+            for name, surface in seen
+            for label in lit
+            for one in compare(name, surface, label, everywhere[label], most)
+        ),
+        options.json,
+    )
     print(*summary(found), sep="\n")
-    if options.json:
-        write_records(options.json, found)
 
 
 if __name__ == "__main__":

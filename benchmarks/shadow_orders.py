@@ -9,9 +9,6 @@ lights, and the note has every one.
 
 from __future__ import annotations
 
-import argparse
-import sys
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -20,7 +17,9 @@ from rendering import DATA, MOST_QUICK, coloured, heads, inner, lights, oracle
 
 import harmonicface as hf
 from harmonicface.bench.agreement import agreement
-from harmonicface.bench.measure import Record, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Stopwatch, Timing, record
 from harmonicface.surfaces.transfer import transport
 
 ORDERS = (2, 4, 6, 8)
@@ -34,9 +33,13 @@ class Scenery:
         self.exact = [hf.render(surface, light, shadows=True) for light in self.lights]
         self.theirs = [oracle(surface, light, None, most)[0] for light in self.lights]
 
-    def errors(self, surface: hf.Surface, **options: object) -> tuple[np.ndarray, np.ndarray]:
-        """Return how far pictures are from the exact ones and from mitsuba's, one number a light."""
-        pictures = [coloured(hf.render(surface, light, **options)) for light in self.lights]
+    def errors(self, surface: hf.Surface, **options: object) -> tuple[Timing, np.ndarray, np.ndarray]:
+        """Return the time of a picture, and how far they are from the exact ones and from mitsuba's, one a light."""
+        watch = Stopwatch(hf.render)
+        pictures = [
+            coloured(watch.run(lambda light=light: hf.render(surface, light, **options)))  # type: ignore[misc]
+            for light in self.lights
+        ]
         ours = [
             agreement(picture, [coloured(exact)] * 2, self.mask).error
             for picture, exact in zip(pictures, self.exact, strict=True)
@@ -44,82 +47,64 @@ class Scenery:
         theirs = [
             agreement(picture, others, self.mask).error for picture, others in zip(pictures, self.theirs, strict=True)
         ]
-        return np.array(ours), np.array(theirs)
+        return watch.timing(), np.array(ours), np.array(theirs)
 
 
 def rows(name: str, scenery: Scenery, kind: str, quick: bool) -> Iterator[Record]:
     """Return the table of one head under one kind of light."""
     surface = scenery.surface
     size = f"{name} {surface.shape[0]} x {surface.shape[1]}, {kind}"
-    yield record("no shadows, order 2", size, 9, scenery, 0.0, scenery.errors(surface, order=2))
-    yield record("no shadows, exact", size, 0, scenery, 0.0, scenery.errors(surface))
+    yield row("no shadows, order 2", size, 9, scenery, *scenery.errors(surface, order=2))
+    yield row("no shadows, exact", size, 0, scenery, *scenery.errors(surface))
     ways = [("a mesh", surface), ("its depth map alone", replace(surface, scene=None, transports=()))]
     for way, seen in ways:
         for order in ORDERS:
-            seconds = transport_seconds(seen, order, 1 if quick else 3)
-            found = scenery.errors(seen, order=order, shadows=True)
-            label = f"shadows of {way}, order {order}"
-            yield record(label, size, (order + 1) ** 2, scenery, seconds, found)
-        label = f"shadows of {way}, exact"
-        start = time.perf_counter()
-        found = scenery.errors(seen, shadows=True)
-        seconds = (time.perf_counter() - start) / len(scenery.lights)
-        yield record(label, size, 0, scenery, seconds, found)
+            timing = transport_timing(seen, order, 1 if quick else 3)
+            _, *errors = scenery.errors(seen, order=order, shadows=True)
+            yield row(f"shadows of {way}, order {order}", size, (order + 1) ** 2, scenery, timing, *errors)
+        yield row(f"shadows of {way}, exact", size, 0, scenery, *scenery.errors(seen, shadows=True))
 
 
-def record(
-    label: str, size: str, images: int, scenery: Scenery, seconds: float, errors: tuple[np.ndarray, np.ndarray]
+def row(
+    label: str, size: str, images: int, scenery: Scenery, timing: Timing, ours: np.ndarray, theirs: np.ndarray
 ) -> Record:
-    """Return one row; without images the seconds are those of one picture."""
-    ours, theirs = (100 * each for each in errors)
-    what = f"{images} images; seconds: the transport" if images else "no images; seconds: one picture"
+    """Return one row; the time is that of one picture, or of the transport where that is more."""
+    ours, theirs = 100 * ours, 100 * theirs
+    what = f"{images} images; time: {timing.name.rpartition('.')[2]}" if images else "no images; time: one picture"
     each = ", ".join(f"{name} {error:.2f}" for name, error in zip(scenery.labels, ours, strict=True))
-    return Record(
-        name=label,
-        size=size,
-        seconds=seconds,
-        error=float(np.median(errors[0])),
+    return record(
+        label,
+        size,
+        timing,
+        error=float(np.median(ours)),
+        unit="% RMS of exact shadows', the median",
         bytes=images * int(scenery.surface.mask.sum()) * 4,
-        note=f"{what}; error against exact shadows: {np.median(ours):.2f} % ({each}); "
-        f"against mitsuba: {np.median(theirs):.2f} % ({theirs.min():.2f} to {theirs.max():.2f})",
+        question=size,
+        note=f"{what}; {each}; against mitsuba: {np.median(theirs):.2f} % ({theirs.min():.2f} to {theirs.max():.2f})",
     )
 
 
-def transport_seconds(surface: hf.Surface, order: int, repeats: int) -> float:
+def transport_timing(surface: hf.Surface, order: int, repeats: int) -> Timing:
     """Return the shortest time of a transport that is computed afresh."""
-    times = []
+    watch = Stopwatch(transport)
     for _ in range(repeats):
         fresh = replace(surface, transports=())
-        start = time.perf_counter()
-        transport(fresh, order)
-        times.append(time.perf_counter() - start)
-    return min(times)
+        watch.run(lambda fresh=fresh: transport(fresh, order))  # type: ignore[misc]
+    return watch.timing(min)
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="one head at 32 x 32 under two lights of each kind")
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    if not DATA.is_dir():
-        parser.exit(1, f"no real data: {DATA} is not there (set HARMONICFACE_DATA)\n")
+def records(quick: bool) -> Iterator[Record]:
+    """Yield the tables of heads under natural light and under lamps."""
     everywhere = lights()
     lamps = {label: light for label, light in everywhere.items() if label.startswith("lamp")}
     natural = {label: light for label, light in everywhere.items() if label not in lamps}
-    found: list[Record] = []
-    for name in ["LeePerrySmith"] if options.quick else ["LeePerrySmith", "ICT 0"]:
-        surface = heads()[name](32 if options.quick else 128)
+    for name in ["LeePerrySmith"] if quick else ["LeePerrySmith", "ICT 0"]:
+        surface = heads()[name](32 if quick else 128)
         for kind, lit in (("natural light", natural), ("one lamp", lamps)):
-            some = dict(list(lit.items())[-2:]) if options.quick else lit
-            scenery = Scenery(surface, some, MOST_QUICK)
-            for row in rows(name, scenery, kind, options.quick):
-                print_records([row])
-                sys.stdout.flush()
-                found.append(row)
-    if options.json:
-        write_records(options.json, found)
+            some = dict(list(lit.items())[-2:]) if quick else lit
+            yield from rows(name, Scenery(surface, some, MOST_QUICK), kind, quick)
 
 
 if __name__ == "__main__":
-    main()
+    about = "one head at 32 x 32 under two lights of each kind"
+    run_benchmark(__doc__, records, about, needs=DATA / "heads", seed="0, 1, ...")

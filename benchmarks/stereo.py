@@ -5,8 +5,8 @@ python benchmarks/stereo.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from scipy.sparse import diags_array, kron
@@ -14,19 +14,13 @@ from scipy.sparse.linalg import spsolve
 from sklearn.utils.extmath import randomized_svd
 
 from harmonicface.bench.command_line import run_benchmark
-from harmonicface.bench.measure import Record, best_seconds
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, Timing, best, once, record
 from harmonicface.stereo.depth.integration import integrate_normals
 from harmonicface.stereo.factors import leading_factors
 from harmonicface.stereo.known.least_squares import plain_least_squares
 
 PHOTOGRAPHS, RANK = 96, 9
-
-
-def seconds_of(function: Callable[[], object]) -> float:
-    """Return the time of one call."""
-    start = time.perf_counter()
-    function()
-    return time.perf_counter() - start
 
 
 def photographs(pixels: int, weakest: float) -> np.ndarray:
@@ -43,24 +37,23 @@ def factors(pixels: int, quick: bool) -> Iterator[Record]:
         matrix = photographs(pixels, weakest)
         exact = exact_singular_values(matrix)
         found = leading_factors(matrix, RANK)
-        ours = best_seconds(lambda matrix=matrix: leading_factors(matrix, RANK), 3)
         sampled = randomized_svd(matrix, RANK, random_state=0)[1]
-        peer = best_seconds(lambda matrix=matrix: randomized_svd(matrix, RANK, random_state=0), 1 if quick else 3)
-        note = (
-            f"error: of the nine singular values, the largest, relative to the first; the peer's "
-            f"{np.abs(sampled - exact[:RANK]).max() / exact[0]:.1e}; the ninth is {exact[RANK - 1] / exact[0]:.1e}"
-        )
+        peer = best(Call(partial(randomized_svd, matrix, RANK, random_state=0)), 1 if quick else 3)
+        note = f"the ninth is {exact[RANK - 1] / exact[0]:.1e}"
         if not quick and weakest == 0.1:
-            whole = seconds_of(lambda matrix=matrix: np.linalg.svd(matrix, full_matrices=False))
-            note += f"; numpy.linalg.svd takes {whole:.2f} s"
-        yield Record(
-            name="leading nine factors of photographs",
-            size=f"{PHOTOGRAPHS} x {pixels} float32",
-            seconds=ours,
+            whole = once(Call(partial(np.linalg.svd, matrix, full_matrices=False)))[0]
+            note += f"; {whole.name} takes {whole.seconds:.2f} s"
+        yield record(
+            f"leading nine factors of photographs, the weakest {weakest:g}",
+            f"{PHOTOGRAPHS} x {pixels} float32",
+            best(partial(leading_factors, matrix, RANK), 3),
+            peer,
             error=float(np.abs(found.singular_values[:RANK] - exact[:RANK]).max() / exact[0]),
+            peer_error=float(np.abs(sampled - exact[:RANK]).max() / exact[0]),
+            unit="of nine singular values, the largest, relative to the first",
             bytes=found.right.nbytes,
-            peer="sklearn randomized_svd",
-            peer_seconds=peer,
+            seed=0,
+            question="leading nine factors of photographs",
             note=note,
         )
 
@@ -80,15 +73,16 @@ def least_squares(pixels: int) -> Iterator[Record]:
     true = rng.normal([0, 0, 1], 0.4, (pixels, 3))
     matrix = (lights @ true.T).astype(np.float32)
     found = plain_least_squares(matrix, lights)
-    yield Record(
-        name="photometric stereo by least squares",
-        size=f"{PHOTOGRAPHS} x {pixels} float32",
-        seconds=best_seconds(lambda: plain_least_squares(matrix, lights), 10),
+    yield record(
+        "photometric stereo by least squares",
+        f"{PHOTOGRAPHS} x {pixels} float32",
+        best(partial(plain_least_squares, matrix, lights), 10),
+        best(Call(matrix.sum, about="of the photographs"), 10),
         error=float(np.abs(found - true).max()),
+        unit="of albedo times normal, the largest",
         bytes=matrix.nbytes,
-        peer="images.sum()",
-        peer_seconds=best_seconds(lambda: matrix.sum(), 10),
-        note="error: largest of albedo times normal, against the numbers that made the photographs",
+        seed=1,
+        note="against the numbers that made the photographs",
     )
 
 
@@ -102,22 +96,22 @@ def integration(side: int) -> Iterator[Record]:
     normals = np.stack([-slope_x, -slope_y, np.ones_like(x)], axis=-1)
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
     found = integrate_normals(normals, pixel_size=step)
-    direct, seconds = solved_directly(normals, step)
+    direct, peer = solved_directly(normals, step)
     exact = depth - depth.mean()
-    yield Record(
-        name="depth from normals",
-        size=f"{side} x {side} pixels",
-        seconds=best_seconds(lambda: integrate_normals(normals, pixel_size=step), 3),
+    yield record(
+        "depth from normals",
+        f"{side} x {side} pixels",
+        best(partial(integrate_normals, normals, pixel_size=step), 3),
+        peer,
         error=float(np.sqrt(np.mean((found - exact) ** 2)) / np.std(depth)),
-        peer="scipy spsolve of the same system",
-        peer_seconds=seconds,
-        note=f"error: RMS against the depth in closed form, relative to its deviation; the peer's "
-        f"{np.sqrt(np.mean((direct - exact) ** 2)) / np.std(depth):.1e}, from ours {np.abs(direct - found).max():.1e} "
-        "at most",
+        peer_error=float(np.sqrt(np.mean((direct - exact) ** 2)) / np.std(depth)),
+        unit="RMS from the closed form, over its deviation",
+        question="depth from normals",
+        note=f"from the peer's {np.abs(direct - found).max():.1e} at most",
     )
 
 
-def solved_directly(normals: np.ndarray, step: float) -> tuple[np.ndarray, float]:
+def solved_directly(normals: np.ndarray, step: float) -> tuple[np.ndarray, Timing]:
     """Return the depth of the same steps by elimination, and the time of that alone."""
     side = len(normals)
     right = normals[:, :-1] + normals[:, 1:]
@@ -129,10 +123,8 @@ def solved_directly(normals: np.ndarray, step: float) -> tuple[np.ndarray, float
     system = (across.T @ across + down.T @ down).tocsc()
     target = across.T @ wanted[: side * (side - 1)] + down.T @ wanted[side * (side - 1) :]
     system[0, 0] += 1.0
-    start = time.perf_counter()
-    depth = spsolve(system, target)
-    seconds = time.perf_counter() - start
-    return (depth - depth.mean()).reshape(side, side), seconds
+    timing, depth = once(Call(partial(spsolve, system, target), about="of the same system"))
+    return (depth - depth.mean()).reshape(side, side), timing
 
 
 def records(quick: bool) -> Iterator[Record]:

@@ -5,23 +5,8 @@ python benchmarks/surface_stability.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
-
-from harmonicface.bench.measure import print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.surface_stability import stability_records
 
-
-def main() -> None:
-    """Print the table, and write it where asked to."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="the same: all of it takes seconds")
-    parser.add_argument("--json", metavar="FILE", help="write the records here")
-    options = parser.parse_args()
-    records = stability_records()
-    print_records(records)
-    if options.json:
-        write_records(options.json, records)
-
-
 if __name__ == "__main__":
-    main()
+    run_benchmark(__doc__, lambda _: stability_records(), "the same: all of it takes seconds")

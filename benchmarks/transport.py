@@ -5,13 +5,11 @@ python benchmarks/transport.py [--quick] [--json FILE]
 
 from __future__ import annotations
 
-import argparse
 import os
-import sys
-import time
 import tracemalloc
 from collections.abc import Callable, Iterator
-from itertools import chain
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +19,9 @@ from scipy.spatial.transform import Rotation
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 from harmonicface.appearance.basis import harmonic_images
-from harmonicface.bench.measure import Record, best_seconds, print_records, write_records
+from harmonicface.bench.command_line import run_benchmark
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, Stopwatch, Timing, best, in_turn, record
 from harmonicface.harmonics.basis import real_harmonics, scaled_harmonics
 from harmonicface.harmonics.indexing import degrees
 from harmonicface.people.synthetic import synthetic_person
@@ -49,27 +49,26 @@ class Rays:
         self.normals = surface.pixel_normals[pixels].astype(np.float64)
         self.caster.intersects_any(self.origins[:1], [[0.0, 0.0, 1.0]])  # builds the tree
 
-    def transport(self, directions: np.ndarray) -> tuple[np.ndarray, float, int]:
-        """Return the transport, the seconds spent in casting alone, and the number of rays.
+    def transport(self, directions: np.ndarray) -> tuple[np.ndarray, Timing, int]:
+        """Return the transport, the time spent in casting alone, and the number of rays.
 
         Rays go only where the pixel's normal points; what they find hidden is taken from the exact transport without
         shadows, as ours is.
         """
         harmonics = 4 * np.pi / len(directions) * real_harmonics(directions, ORDER)
         result = lambertian_weights(ORDER)[:, None] * real_harmonics(self.normals, ORDER)
-        seconds, rays, step = 0.0, 0, max(1, CHUNK // len(directions))
+        watch = Stopwatch(self.caster.intersects_any, about=f"by embreex, {len(directions)} directions")
+        rays, step = 0, max(1, CHUNK // len(directions))
         for first in range(0, len(self.normals), step):
             some = slice(first, first + step)
             cosine = np.maximum(self.normals[some] @ directions.T, 0)
             pixel, direction = np.nonzero(cosine)
             origins, towards = self.origins[some][pixel], directions[direction]
-            start = time.perf_counter()
-            hit = self.caster.intersects_any(origins, towards)
-            seconds += time.perf_counter() - start
+            hit = watch.run(partial(self.caster.intersects_any, origins, towards))
             cosine[pixel, direction] *= hit
             result[:, some] -= harmonics @ cosine.T
             rays += len(pixel)
-        return result, seconds, rays
+        return result, watch.timing(sum), rays
 
 
 def solid(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
@@ -109,34 +108,38 @@ def transports(name: str, surface: Surface, quick: bool) -> Iterator[Record]:
     while (theirs := relative(rays.transport(even_directions(number))[0], exact)) > error and number < len(turned) / 2:
         number = int(1.2 * number)
     timed = np.sort(rng.choice(count, count // 10, replace=False)) if quick else np.arange(count)
-    _, seconds, cast = min(
-        (Rays(surface, timed).transport(even_directions(number)) for _ in range(2)), key=lambda found: found[1]
+    _, peer, cast = min(
+        (Rays(surface, timed).transport(even_directions(number)) for _ in range(2)), key=lambda found: found[1].seconds
     )
     scale = count / len(timed)
     size = f"{surface.shape[0]} x {surface.shape[1]}, {count} pixels, order {ORDER}"
-    yield Record(
-        name=f"transport past a depth map, {name}",
-        size=size,
-        seconds=best_seconds(lambda: horizon_transport(surface, ORDER), 5),
+    yield record(
+        f"transport past a depth map, {name}",
+        size,
+        best(partial(horizon_transport, surface, ORDER), 5),
+        replace(peer, seconds=peer.seconds * scale),
         error=error,
+        peer_error=theirs,
+        unit="RMS, relative",
         bytes=ours.nbytes,
-        peer=f"trimesh with embreex, {number} directions",
-        peer_seconds=seconds * scale,
-        note=f"error: RMS relative to {len(turned)} other directions at {len(some)} pixels, past the same "
-        f"triangles; the peer's {theirs:.5f}, "
+        seed=0,
+        question=f"transport past a depth map, {name}",
+        note=f"error: from {len(turned)} other directions at {len(some)} pixels, past the same triangles; the peer: "
         f"casting alone, {cast * scale / 1e6:.1f} million rays" + (f", timed at {len(timed)} pixels" if quick else ""),
     )
     peak = peak_bytes(lambda: horizon_transport(surface, ORDER))
     converged = horizon_transport(surface, ORDER, 8 * AZIMUTHS)
     for azimuths in (AZIMUTHS // 2, AZIMUTHS, 2 * AZIMUTHS):
         found = horizon_transport(surface, ORDER, azimuths)
-        yield Record(
-            name=f"transport past a depth map, {name}",
-            size=f"{size}, {azimuths} azimuths",
-            seconds=best_seconds(lambda number=azimuths: horizon_transport(surface, ORDER, number), 3),
+        yield record(
+            f"transport past a depth map, {name}, {azimuths} azimuths",
+            size,
+            best(partial(horizon_transport, surface, ORDER, azimuths), 3),
             error=relative(found, converged),
+            unit="RMS, relative to many azimuths",
             bytes=peak,
-            note=f"error: RMS relative to {8 * AZIMUTHS} azimuths, so without that of the surface between the pixels; "
+            question=f"transport past a depth map, {name}",
+            note=f"error: from {8 * AZIMUTHS} azimuths, so without that of the surface between the pixels; "
             f"bytes: largest at any moment with {AZIMUTHS} azimuths, {peak / ours.nbytes:.2f} times the result",
         )
 
@@ -156,45 +159,36 @@ def nine_images(pixels: int, repeats: int) -> Iterator[Record]:
     holes = Surface(normals, albedo, rng.random((side, side)) < 0.9)
     some = holes.mask.ravel()
     part = source[:, some]
-    cases: list[tuple[str, Callable[[], np.ndarray], Callable[[], object], np.ndarray]] = [
+    cases: list[tuple[str, Callable[[], np.ndarray], Call[object], np.ndarray]] = [
         (
             "from normals into given memory",
-            lambda: scaled_harmonics(flat, 2, weights, factors, out=result),
-            lambda: np.copyto(target, source),
+            partial(scaled_harmonics, flat, 2, weights, factors, out=result),
+            Call(partial(np.copyto, target, source), about="of the result's bytes"),
             exact,
         ),
-        ("of a Surface", lambda: harmonic_images(surface), lambda: np.copyto(np.empty_like(source), source), exact),
-        (
-            "of a Surface with holes",
-            lambda: harmonic_images(holes),
-            lambda: np.copyto(np.empty_like(part), part),
-            exact[:, some],
-        ),
+        ("of a Surface", partial(harmonic_images, surface), copying(source), exact),
+        ("of a Surface with holes", partial(harmonic_images, holes), copying(part), exact[:, some]),
     ]
     for name, ours, peer, expected in cases:
-        seconds, peer_seconds = paired_seconds(ours, peer, repeats)
+        timings = in_turn(ours, peer, repeats, 3)
         found = ours()
         peak = peak_bytes(ours)
-        yield Record(
-            name=f"nine harmonic images, {name}",
-            size=f"{found.shape[1]:.0e} pixels float32",
-            seconds=seconds,
+        yield record(
+            f"nine harmonic images, {name}",
+            f"{found.shape[1]:.0e} pixels float32",
+            *timings,
             error=float(np.abs(found - expected).max()),
+            unit="from sphericart in float64, the largest",
             bytes=peak,
-            peer="np.copyto of the result's bytes" + ("" if "given" in name else " into new memory"),
-            peer_seconds=peer_seconds,
-            note=f"error: largest, against sphericart in float64; bytes: largest at any moment beside what was given, "
-            f"{peak / found.nbytes:.2f} times the result",
+            seed=0,
+            question="nine harmonic images",
+            note=f"bytes: largest at any moment beside what was given, {peak / found.nbytes:.2f} times the result",
         )
 
 
-def paired_seconds(ours: Callable[[], object], peer: Callable[[], object], repeats: int) -> tuple[float, float]:
-    """Return the best times of both, turn by turn, so that what else the machine does falls on both."""
-    best = [np.inf, np.inf]
-    for _ in range(repeats):
-        for side, function in enumerate((ours, peer)):
-            best[side] = min(best[side], best_seconds(function, 3))
-    return best[0], best[1]
+def copying(array: np.ndarray) -> Call[object]:
+    """Return a copy of an array into new memory, as a call."""
+    return Call(array.copy, about="of the result's bytes into new memory")
 
 
 def peak_bytes(function: Callable[[], object]) -> int:
@@ -210,7 +204,7 @@ def scan(size: int) -> Surface | None:
     """Return the scanned head's face by its depth alone, None without the data."""
     folder = DATA / "heads" / "LeePerrySmith"
     if not folder.is_dir():
-        print(f"without the scan: {folder} is not there (set HARMONICFACE_DATA)")
+        print(f"skipped: the scanned face, no real data in {folder} (set HARMONICFACE_DATA)")
         return None
     seen = load_surface(
         folder / "LeePerrySmith.glb", size, texture=folder / "Map-COL.jpg", flip_texture=True, frame=FACE
@@ -218,31 +212,15 @@ def scan(size: int) -> Surface | None:
     return Surface(seen.normals, seen.albedo, seen.mask, seen.depth, seen.pixel_size)
 
 
-def main() -> None:
-    """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--quick",
-        action="store_true",
-        help="faces at 64 x 64, fewer rays in the reference, the peer at a tenth of them",
-    )
-    parser.add_argument("--json", help="write the records here")
-    options = parser.parse_args()
-    size = 64 if options.quick else 128
-    rows = [
-        nine_images(*(10**5, 5) if options.quick else (10**6, 30)),
-        transports("a synthetic person", synthetic_person(0, size), options.quick),
-    ]
+def records(quick: bool) -> Iterator[Record]:
+    """Yield harmonic images, then transports of a synthetic and of a scanned face."""
+    size = 64 if quick else 128
+    yield from nine_images(*(10**5, 5) if quick else (10**6, 30))
+    yield from transports("a synthetic person", synthetic_person(0, size), quick)
     if (face := scan(size)) is not None:
-        rows.append(transports("a scanned face", face, options.quick))
-    found = []
-    for row in chain.from_iterable(rows):
-        print_records([row])
-        sys.stdout.flush()
-        found.append(row)
-    if options.json:
-        write_records(options.json, found)
+        yield from transports("a scanned face", face, quick)
 
 
 if __name__ == "__main__":
-    main()
+    about = "faces at 64 x 64, fewer rays in the reference, the peer at a tenth of them"
+    run_benchmark(__doc__, records, about, seed=0)

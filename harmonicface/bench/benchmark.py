@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from harmonicface.appearance.sensor import photograph
 from harmonicface.bench.contenders import METHODS, Contender, GalleryContender, Person, contender
 from harmonicface.bench.crowds import SYNTHETIC, Crowd
 from harmonicface.bench.enrolment import ENROLMENTS, enrol_by
+from harmonicface.bench.peers import stopwatch_of
 from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
+from harmonicface.bench.timing import UNTIMED, Timing
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.lighting.light import Light
@@ -38,13 +41,14 @@ class Query:
 
 @dataclass(frozen=True)
 class MethodResult:
-    """How one method did: errors by tier, time and memory."""
+    """How one method did: errors by tier, time and memory; `query` is the time under the name of what was called."""
 
     method: str
     errors: dict[str, int]
     milliseconds: float
     enrolment_seconds: float
     bytes_per_person: float
+    query: Timing = UNTIMED
 
 
 @dataclass(frozen=True)
@@ -217,15 +221,13 @@ def _judge(
     start = time.perf_counter()
     method.enroll(people)
     enrolment = time.perf_counter() - start
-    errors, times = dict.fromkeys(asked, 0), []
+    errors, watch = dict.fromkeys(asked, 0), stopwatch_of(name, method)
     for tier, queries in asked.items():
         for query in queries:
-            start = time.perf_counter()
-            answer = method.nearest(query.photo)
-            times.append(time.perf_counter() - start)
-            errors[tier] += answer != query.person
-            tell(name, len(times), total)
-    return MethodResult(name, errors, 1e3 * float(np.median(times)), enrolment, method.bytes_per_person)
+            errors[tier] += watch.run(partial(method.nearest, query.photo)) != query.person
+            tell(name, len(watch.seconds), total)
+    timing = watch.timing()
+    return MethodResult(name, errors, 1e3 * timing.seconds, enrolment, method.bytes_per_person, timing)
 
 
 def checked_enrolments(enroll: Sequence[str]) -> list[str]:

@@ -60,7 +60,10 @@ def print_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]],
     )
     for index, head in enumerate(heads):
         left = head in texts if texts else index == 0
-        table.add_column(head, justify="left" if left else "right", no_wrap=head not in texts)
+        broken = head in texts
+        table.add_column(
+            head, justify="left" if left else "right", no_wrap=not broken, overflow="fold" if broken else "ellipsis"
+        )
     for row in rows:
         table.add_row(*(escape(cell) for cell in row))
     console = Console()

@@ -152,20 +152,20 @@ class PhotographContender:
     """A method that learns from photographs alone."""
 
     def __init__(self, baseline: Baseline) -> None:
-        self._baseline = baseline
+        self.baseline = baseline
 
     @property
     def bytes_per_person(self) -> float:
         """Memory that a person costs."""
-        return self._baseline.bytes_per_person
+        return self.baseline.bytes_per_person
 
     def enroll(self, people: Sequence[Person]) -> None:
         """Enrol the photographs of everybody."""
-        self._baseline.enroll([person.photographs for person in people])
+        self.baseline.enroll([person.photographs for person in people])
 
     def nearest(self, photo: Floats) -> int:
         """Return the index of the nearest person."""
-        return self._baseline.nearest(photo)
+        return self.baseline.nearest(photo)
 
 
 def contender(method: str) -> Contender:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from harmonicface import _validate
 from harmonicface.bench.contenders import Contender, Person
 from harmonicface.bench.degradation import Picture
 from harmonicface.bench.ordeals import ENROLMENT, ORDEALS, Ordeal, reduced_photo
+from harmonicface.bench.peers import stopwatch_of
+from harmonicface.bench.timing import UNTIMED, Timing
 from harmonicface.bench.yale_b import Progress, learned
 from harmonicface.bench.yale_contenders import yale_contender
 from harmonicface.bench.yale_protocols import CHOSEN_ON
@@ -38,6 +40,8 @@ class CurvePoint:
         Of people on whom no setting was chosen.
     milliseconds
         Median time of a query.
+    timing
+        The same, under the name of what was called.
     """
 
     ordeal: str
@@ -48,6 +52,7 @@ class CurvePoint:
     wrong_unseen: int
     asked_unseen: int
     milliseconds: float
+    timing: Timing = UNTIMED
 
     @property
     def error(self) -> Rate:
@@ -212,17 +217,14 @@ def _point(
     photos: Sequence[Picture],
 ) -> CurvePoint:
     """Ask one method for all photographs."""
-    wrong, unseen, seconds = [], [], []
+    wrong, unseen, watch = [], [], stopwatch_of(name, method)
     for question, photo in zip(asked, photos, strict=True):
-        start = time.perf_counter()
-        named = method.nearest(photo)
-        seconds.append(time.perf_counter() - start)
-        wrong.append(named != question.index)
+        wrong.append(watch.run(partial(method.nearest, photo)) != question.index)
         unseen.append(question.number not in CHOSEN_ON)
     missed, judging = np.array(wrong), np.array(unseen)
-    milliseconds = 1e3 * float(np.median(seconds))
+    timing = watch.timing()
     counts = int(missed.sum()), len(missed), int(missed[judging].sum()), int(judging.sum())
-    return CurvePoint(ordeal, level, name, *counts, milliseconds)
+    return CurvePoint(ordeal, level, name, *counts, 1e3 * timing.seconds, timing)
 
 
 def _questions(faces: Sequence[YalePerson], most: int) -> list[_Question]:

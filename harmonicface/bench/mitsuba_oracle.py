@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -70,6 +70,15 @@ def mitsuba_picture(
     }
     radiance = mitsuba.render(mitsuba.load_dict(scene), seed=seed, spp=samples)
     return np.asarray(np.pi * np.array(radiance), dtype=np.float32)
+
+
+def mitsuba_renderer() -> Callable[..., Any]:
+    """Return the function of mitsuba's by which pictures are rendered."""
+    import mitsuba
+
+    mitsuba.set_variant(VARIANT)
+    renderer: Callable[..., Any] = mitsuba.render
+    return renderer
 
 
 def _integrator(depth: int | None) -> dict[str, Any]:

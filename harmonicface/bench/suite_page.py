@@ -83,7 +83,7 @@ def suite_markdown(run: Run) -> str:
     heads = ["benchmark", "what", "state", "records", "time", "ratio"]
     parts.append(markdown(heads, [[f"[{one.name}](#{one.name})", one.question, *_figures(one)] for one in run.ran]))
     for one in run.ran:
-        parts += [f"## {one.name}", one.question, one.about, f"{_how(one)}: `{_command(one)}`"]
+        parts += [f"## {one.name}", one.question, *_paragraphs(one), f"{_how(one)}: `{_command(one)}`"]
         if one.said:
             parts.append("\n".join(f"    {line}" for line in one.said.splitlines()))
         if one.records:
@@ -122,7 +122,7 @@ def _entry(one: Ran) -> str:
 def _section(one: Ran) -> str:
     """Return everything about one benchmark."""
     name = html.escape(one.name)
-    about = "".join(f"<p>{_prose(text)}</p>" for text in re.split(r"\n\s*\n", one.about) if text.strip())
+    about = "".join(f"<p>{_prose(text)}</p>" for text in _paragraphs(one))
     said = f"<pre class={one.state}>{html.escape(one.said)}</pre>" if one.said else ""
     plots = ""
     for number, ((question, unit), points) in enumerate(points_of(one.records).items(), start=1):
@@ -137,6 +137,12 @@ def _section(one: Ran) -> str:
     return f'<section id="{name}"><h2>{name}</h2>{lead}{about}{said}{how}{plots}{shown}</section>'
 
 
+def _paragraphs(one: Ran) -> list[str]:
+    """Return what else is said of a benchmark, without how it is called, which stands there anyway."""
+    found = [" ".join(text.split()) for text in re.split(r"\n\s*\n", one.about)]
+    return [text for text in found if text and not text.startswith("python benchmarks/")]
+
+
 def _how(one: Ran) -> str:
     return f"{one.state}, {'quick' if one.quick else 'in full'}, {spelled_minutes(one.seconds)}"
 
@@ -147,7 +153,7 @@ def _command(one: Ran) -> str:
 
 def _prose(text: str) -> str:
     """Return words of a docstring as HTML: code between backticks."""
-    return re.sub(r"`([^`]*)`", r"<code>\1</code>", html.escape(" ".join(text.split())))
+    return re.sub(r"`([^`]*)`", r"<code>\1</code>", html.escape(text))
 
 
 def _machine() -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from harmonicface.bench.benchmark import BenchmarkResult
 from harmonicface.bench.measure import Record
 from harmonicface.bench.published import published
+from harmonicface.bench.timing import record
 from harmonicface.bench.yale_result import YaleMethod, YaleResult
 from harmonicface.recognition.intervals import Rate
 
@@ -30,13 +31,13 @@ def method_records(result: BenchmarkResult) -> list[Record]:
     """Return one record a method: the time of a photograph, and the error over all tiers."""
     total = sum(result.queries.values())
     return [
-        Record(
-            name=method.method,
-            size=f"{result.faces} people {result.size}x{result.size}, {total} photographs",
-            seconds=method.milliseconds / 1e3,
-            bytes=round(method.bytes_per_person),
+        record(
+            method.method,
+            f"{result.faces} people {result.size}x{result.size}, {total} photographs",
+            method.query,
             error=100 * sum(method.errors.values()) / total,
             unit=WRONG,
+            bytes=round(method.bytes_per_person),
             seed=result.seed,
             note="bytes: a person",
         )

@@ -46,6 +46,9 @@ class Timing:
     versions: dict[str, str] = field(default_factory=dict)
 
 
+UNTIMED = Timing("", 0.0)
+
+
 class Call(Generic[Result]):
     """A call to be timed, under the name of the functions that it calls.
 
@@ -238,7 +241,7 @@ def record(
 
 
 def name_of(function: Function) -> str:
-    """Return where a function is found: package, modules that are not private, class and name.
+    """Return where a function is found: the shortest public way to it, or the modules that are not private.
 
     A function of a script is named with the script's file.
 
@@ -249,15 +252,26 @@ def name_of(function: Function) -> str:
     """
     kind = _class_of(function)
     name = str(getattr(function, "__name__", repr(function)))
-    if kind is not None:
-        name = f"{kind.__qualname__}.{name}"
-    elif "<locals>" not in (whole := str(getattr(function, "__qualname__", None) or name)):
-        name = whole
+    whole = str(getattr(kind or function, "__qualname__", name))
+    found = name if "<locals>" in whole else whole
     module = _module_of(function)
     file = getattr(sys.modules.get(module), "__file__", None)
     if module == "__main__" and file:
-        return f"{name} of {Path(file).name}"
-    return ".".join([*(part for part in module.split(".") if not part.startswith("_")), name])
+        return f"{found if kind is None else f'{found}.{name}'} of {Path(file).name}"
+    parts = module.split(".")
+    public = [part for part in parts if not part.startswith("_")]
+    for end in range(1, len(parts) + 1):
+        if _attribute(sys.modules.get(".".join(parts[:end])), found) is (kind or function):
+            public = parts[:end]
+            break
+    return ".".join([*public, found, *([] if kind is None else [name])])
+
+
+def _attribute(owner: object, path: str) -> object:
+    """Return what lies at a path of names, None if nothing does."""
+    for name in path.split("."):
+        owner = getattr(owner, name, None)
+    return owner
 
 
 def _class_of(function: Function) -> type | None:

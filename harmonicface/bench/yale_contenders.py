@@ -59,6 +59,11 @@ class ClassifierContender:
         learned = (value for key, value in vars(self._classifier).items() if key.endswith("_"))
         self._bytes = sum(value.nbytes for value in learned if isinstance(value, np.ndarray)) / len(people)
 
+    @property
+    def kind(self) -> type[FaceClassifier]:
+        """Which classifier it is."""
+        return type(self._classifier)
+
     def distances(self, photo: Floats) -> NDArray[np.float64]:
         """Return how far everybody is, in the order of enrolment."""
         row = np.asarray(self._classifier.predict_distances(photo.reshape(1, -1))[0], np.float64)

@@ -5,14 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from harmonicface import _validate
 from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
+from harmonicface.bench import timing
 from harmonicface.bench.contenders import Person
 from harmonicface.bench.degradation import Picture
+from harmonicface.bench.peers import stopwatch_of
 from harmonicface.bench.yale_b import Progress, learned
 from harmonicface.bench.yale_contenders import NEEDING_DEPTH, YALE_METHODS, yale_contender
 from harmonicface.datasets.yale_b import YalePerson
@@ -27,13 +30,17 @@ MIRRORED = np.array([-1.0, 1.0, 1.0])  # left and right change places
 
 @dataclass(frozen=True)
 class Timing:
-    """How long one method takes: people in the gallery, milliseconds a query, seconds to enrol all, bytes a person."""
+    """How long one method takes: people in the gallery, milliseconds a query, seconds to enrol all, bytes a person.
+
+    `query` is the time of a query under the name of what was called.
+    """
 
     method: str
     people: int
     milliseconds: float
     enrolment_seconds: float
     bytes_per_person: float
+    query: timing.Timing = timing.UNTIMED
 
 
 def query_times(
@@ -119,10 +126,8 @@ def _timed(name: str, people: Sequence[Person], photos: Sequence[Picture]) -> Ti
     except HarmonicFaceError:
         return None
     enrolment = time.perf_counter() - start
-    method.nearest(photos[0])
-    seconds = []
-    for photo in photos:
-        start = time.perf_counter()
-        method.nearest(photo)
-        seconds.append(time.perf_counter() - start)
-    return Timing(name, len(people), 1e3 * float(np.median(seconds)), enrolment, method.bytes_per_person)
+    watch = stopwatch_of(name, method)
+    for photo in (photos[0], *photos):
+        watch.run(partial(method.nearest, photo))
+    query = watch.timing(lambda seconds: np.median(seconds[1:]))
+    return Timing(name, len(people), 1e3 * query.seconds, enrolment, method.bytes_per_person, query)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 import trimesh
-from scipy.optimize import nnls
+from scipy.optimize import least_squares, nnls
 from scipy.special import sph_harm_y_all
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
@@ -34,7 +34,9 @@ def not_by_nnls() -> object:
         (np.ndarray.sum, "numpy.ndarray.sum"),
         (sph_harm_y_all, "scipy.special.sph_harm_y_all"),  # an object that is no function
         (cv2.face.LBPHFaceRecognizer.create().predict, "cv2.face.LBPHFaceRecognizer.predict"),
-        (hf.Gallery.match, f"{hf.Gallery.match.__module__}.{hf.Gallery.match.__qualname__}"),
+        (least_squares, "scipy.optimize.least_squares"),  # of a private module that bears its name
+        (hf.Gallery().match, "harmonicface.Gallery.match"),
+        (hf.estimate_light, "harmonicface.estimate_light"),
         (hf.lights.directional([0, 0, 1]).irradiance, "harmonicface.lighting.sources.DirectionalLights.irradiance"),
     ],
 )
