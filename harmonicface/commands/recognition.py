@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -25,6 +26,7 @@ from harmonicface.commands.options import (
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
+from harmonicface.gallery.paths import is_file, is_free
 from harmonicface.gallery.sources import read_face, read_lamps, read_mask, read_source
 from harmonicface.io.files import alone_in
 from harmonicface.io.images import read_image
@@ -34,7 +36,7 @@ CROPPED = 96, 84  # height and width of faces cut out for a new gallery: the pro
 
 
 def enroll(
-    gallery: Annotated[Path, typer.Argument(help="The gallery's file; made if it is not there.", show_default=False)],
+    gallery: Annotated[Path, typer.Argument(help="The gallery's folder; made if it is not there.", show_default=False)],
     name: Annotated[str, typer.Argument(help="Who it is.", show_default=False)],
     source: Annotated[
         list[Path],
@@ -67,12 +69,13 @@ def enroll(
 ) -> None:
     """Add a person to a gallery."""
     looks = view(None if detect else size, texture, flip_texture, rotation, frame, intrinsics, distance)
-    with alone_in(gallery.parent):
+    lamps = None if lights is None else read_lamps(lights, source)
+    with alone_in(gallery.parent) if is_file(gallery) else nullcontext():  # a folder has its own lock
         people = _gallery(gallery, mask)
         cropped = _size_of_crops(people, size) if detect else None
-        seen = read_source(source, looks, transfer, usual_size=64, cropped=cropped)
-        people.enroll(name, seen, None if lights is None else read_lamps(lights, source))
-        people.save(gallery)
+        people.enroll(name, read_source(source, looks, transfer, usual_size=64, cropped=cropped), lamps)
+        if people.path is None:
+            people.save(gallery)
     typer.echo(f"{name} enrolled; {gallery} holds {len(people)} {'person' if len(people) == 1 else 'people'}")
 
 
@@ -87,19 +90,15 @@ def _size_of_crops(people: Gallery, size: int | None) -> tuple[int, int]:
 
 def _gallery(path: Path, mask: Path | None) -> Gallery:
     """Open a gallery, or begin one."""
-    try:
-        begun = path.exists()
-    except (OSError, ValueError):  # a name that no file can have: opening it says so
-        begun = True
-    if begun and mask is not None:
+    if is_free(path):
+        return Gallery.create(path, mask=None if mask is None else read_mask(mask))
+    if mask is not None:
         raise HarmonicFaceError(f"mask: expected it with a new gallery only, got {path}, which has its own")
-    if begun:
-        return Gallery.open(path)
-    return Gallery(mask=None if mask is None else read_mask(mask))
+    return Gallery.open(path)
 
 
 def match(
-    gallery: Annotated[Path, typer.Argument(help="The gallery's file.", show_default=False)],
+    gallery: Annotated[Path, typer.Argument(help="The gallery's folder, or its one file.", show_default=False)],
     photo: Annotated[
         list[Path],
         typer.Argument(help="Photographs of the gallery's size; of any size with --detect.", show_default=False),

@@ -64,6 +64,11 @@ class Enrolment:
     source: str
     template: Template | None = None
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of rows and template."""
+        return self.subspace.rows.nbytes + (0 if self.template is None else self.template.nbytes)
+
 
 def enrolment_of(
     source: Surface | ArrayLike, frame: Frame | None, model: Model, lights: ArrayLike | None = None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +13,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import answers
 from harmonicface.gallery.calibration import Calibration, calibration
 from harmonicface.gallery.keeping import Keeping
-from harmonicface.gallery.match import Match, SearchScores
+from harmonicface.gallery.match import Candidate, Match, SearchScores
 
 
 class Gallery(Keeping):
@@ -72,7 +73,7 @@ class Gallery(Keeping):
         frame = "no frame yet" if known is None else "{} x {} pixels".format(*known.shape)
         return f"<Gallery of {len(self)} people, {frame}, model {self.model}>"
 
-    def match(self, photo: ArrayLike, top: int = 5, mask: ArrayLike | None = None) -> Match:
+    def match(self, photo: ArrayLike, top: int = 5, mask: ArrayLike | None = None, explain: bool = False) -> Match:
         """Rank the people by how well they explain a photograph under some light.
 
         Parameters
@@ -84,6 +85,8 @@ class Gallery(Keeping):
         mask
             (h, w) booleans, false where the photograph is bad: burnt out, hidden, not the face. Every person is then
             projected through this mask, which takes longer.
+        explain
+            Whether `Match.search` says how many people each stage of the search excluded.
 
         Returns
         -------
@@ -100,8 +103,49 @@ class Gallery(Keeping):
             good pixels; except with the default model, a photograph that is all 0.
         """
         count = _validate.at_least(top, 1, "top")
-        asked = self._people.asked(photo, mask)
-        return (answers.by_second_look if self.by_score else answers.by_projection)(self._people, asked, count, self)
+        return self._answer(answers.stage_one(self._people, self._people.asked(photo, mask), count, self), explain)
+
+    def match_many(self, photos: Iterable[ArrayLike], top: int = 5, explain: bool = False) -> list[Match]:
+        """Match several photographs: the answers of `match`, by fewer passes over the people.
+
+        Parameters
+        ----------
+        photos
+            Each as for `match`.
+        top, explain
+            As for `match`.
+
+        Raises
+        ------
+        HarmonicFaceError
+            As `match`.
+        """
+        count = _validate.at_least(top, 1, "top")
+        asked = [self._people.asked(photo, None) for photo in photos]
+        return [self._answer(one, explain) for one in answers.stage_one_of_many(self._people, asked, count, self)]
+
+    def within(self, photo: ArrayLike, distance: float, mask: ArrayLike | None = None) -> tuple[Candidate, ...]:
+        """Return everybody within a distance of a photograph, nearest first, by stage one alone.
+
+        Parameters
+        ----------
+        photo, mask
+            As for `match`.
+        distance
+            0 to 1: the sine of the angle between the photograph and a person's pictures, on linear intensities.
+
+        Raises
+        ------
+        HarmonicFaceError
+            As `match`; a photograph that is all 0, another distance.
+        """
+        furthest = _validate.fraction(distance, "distance")
+        return answers.within(self._people, self._people.asked(photo, mask), furthest)
+
+    def _answer(self, question: answers.Question, explain: bool) -> Match:
+        """Return a match from what stage one found."""
+        match = (answers.by_second_look if self.by_score else answers.by_projection)(self._people, question, self)
+        return replace(match, search=question.search(self._people)) if explain else match
 
     def search_scores(
         self, photo: ArrayLike, mask: ArrayLike | None = None, among: Sequence[str] | None = None

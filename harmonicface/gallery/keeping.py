@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import storage
 from harmonicface.gallery.enrolment import Model
 from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.layout import DTYPES, MASK, About, entry_of
-from harmonicface.gallery.people import People
+from harmonicface.gallery.layout import BASIS, DTYPES, MASK, About, entries_of
+from harmonicface.gallery.paths import PathLike, is_file, is_folder, is_free, is_same
 from harmonicface.gallery.people_in_folder import PeopleInFolder
 from harmonicface.gallery.people_in_memory import PeopleInMemory
 from harmonicface.gallery.roll import Roll
 from harmonicface.gallery.rows import StackedRows
 from harmonicface.gallery.rule import DEFAULT_MARGIN, Rule
+from harmonicface.gallery.staging import is_url, refuse_writing, staged
 from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
 from harmonicface.recognition.models import SUBSPACE_MODELS, WITH_DEPTH, harmonic9
-from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import NAME as MANIFEST
 from harmonicface.store.part import Damage
 from harmonicface.store.whole import make_whole
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 PORTABLE = ".safetensors"  # ending of a gallery that is one file
 
@@ -62,7 +65,7 @@ class Keeping(Rule, Roll):
     @classmethod
     def create(
         cls,
-        path: str | os.PathLike[str],
+        path: PathLike,
         model: str = DEFAULT_MODEL,
         mask: ArrayLike | None = None,
         threshold: float | None = None,
@@ -100,15 +103,19 @@ class Keeping(Rule, Roll):
         >>> place.cleanup()
         """
         gallery = cls(model, mask, threshold, margin, shortlist)
+        refuse_writing(path)
+        if not is_free(path) or not Path(path).parent.is_dir():
+            raise HarmonicFaceError(
+                f"create: expected a new or an empty folder in one that is there, got {path!s:.300}"
+            )
         people = PeopleInFolder(Path(path), gallery, _checked_dtype(dtype), gallery._people.known_frame)
-        people.demand_room()
         gallery._people = people
         if people.known_frame is not None:
             people.make(people.frame)
         return gallery
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str]) -> Self:
+    def open(cls, path: PathLike, client: Client | None = None) -> Self:
         """Open a gallery: a folder, or one portable file.
 
         Of a folder the manifest is read and the shards are mapped, no more: names, rows and templates are read, and
@@ -116,16 +123,32 @@ class Keeping(Rule, Roll):
         write is seen after `refresh`. Shards that are damaged are left out with a warning (`damaged`). A file is read
         and checked as a whole, into memory.
 
+        Parameters
+        ----------
+        path
+            Of the folder or the file; or a path of fsspec's, as "s3://bucket/people", whose folder is copied to this
+            machine's disk (`staging`) and only read.
+        client
+            Of a Dask cluster (`dask.distributed.Client`), whose workers see the folder under the same path: each keeps
+            its share of the people, searches it, and enrols (`enroll_many`).
+
         Raises
         ------
         HarmonicFaceError
-            Nothing is there, or what is damaged, of another kind or of a version that this one does not know.
+            Nothing is there, or what is damaged, of another kind or of a version that this one does not know; a client
+            for a file.
         """
-        return cls._of_folder(Path(path)) if _is_folder(path) else cls._of_file(path)
+        if is_url(path):
+            return cls._of_folder(staged(str(path)), client, str(path))
+        if is_folder(path):
+            return cls._of_folder(Path(path), client)
+        if client is not None:
+            raise HarmonicFaceError(f"client: expected a gallery in a folder, got {path!s:.300}")
+        return cls._of_file(path)
 
     @classmethod
-    def _of_folder(cls, path: Path) -> Self:
-        people = PeopleInFolder.opened(path)
+    def _of_folder(cls, path: Path, client: Client | None, url: str | None = None) -> Self:
+        people = PeopleInFolder.opened(path, client, url)
         rule = people.about.rule()
         gallery = cls(rule.model, None, rule.threshold, rule.margin, rule.shortlist)
         gallery._people = people
@@ -133,7 +156,7 @@ class Keeping(Rule, Roll):
         return gallery
 
     @classmethod
-    def _of_file(cls, path: str | os.PathLike[str]) -> Self:
+    def _of_file(cls, path: PathLike) -> Self:
         contents = storage.read(path)
         gallery = cls(contents.model, contents.mask, contents.threshold, contents.margin, contents.shortlist)
         people = PeopleInMemory(Frame.of(contents.mask))
@@ -141,9 +164,7 @@ class Keeping(Rule, Roll):
         gallery._people = people
         return gallery
 
-    def save(
-        self, path: str | os.PathLike[str] | None = None, dtype: str | None = None, among: Sequence[str] | None = None
-    ) -> None:
+    def save(self, path: PathLike | None = None, dtype: str | None = None, among: Sequence[str] | None = None) -> None:
         """Write the gallery to a new folder, or to one portable file, whole or not at all.
 
         Parameters
@@ -162,15 +183,16 @@ class Keeping(Rule, Roll):
         HarmonicFaceError
             Nobody is in it, something else than a gallery is there, or it cannot be written.
         """
-        if path is None or (self.path is not None and _same(Path(path), self.path)):
+        if path is None or (self.path is not None and is_same(path, self.path)):
             self._save_rule(dtype, among)
             return
+        refuse_writing(path)
         places = range(len(self)) if among is None else [self._people.place(name) for name in among]
         if not len(places):
             raise HarmonicFaceError("save: expected a gallery with somebody in it, got an empty one")
         if len(set(places)) < len(places):
             raise HarmonicFaceError(f"among: expected each name once, got {len(places)} of {len(set(places))} people")
-        if Path(path).suffix == PORTABLE or (_exists(path) and not _is_folder(path)):
+        if Path(path).suffix == PORTABLE or is_file(path):
             self._save_file(path, places, dtype)
         else:
             self._save_folder(Path(path), places, dtype)
@@ -229,11 +251,11 @@ class Keeping(Rule, Roll):
             raise HarmonicFaceError("save: expected another path for other rows or for some of the people, got its own")
         people.describe()
 
-    def _save_file(self, path: str | os.PathLike[str], places: Sequence[int], dtype: str | None) -> None:
+    def _save_file(self, path: PathLike, places: Sequence[int], dtype: str | None) -> None:
         """Write one portable file."""
         if dtype not in (None, DTYPES[0]):
             raise HarmonicFaceError(f"dtype: expected {DTYPES[0]} for a portable file, got {dtype!r:.40}")
-        if _exists(path):
+        if is_file(path):
             storage.check_kind(path)
         rows = StackedRows(np.empty((0, self._people.frame.pixels), np.float32))
         sources, templates = {}, []
@@ -259,22 +281,20 @@ class Keeping(Rule, Roll):
     def _save_folder(self, path: Path, places: Sequence[int], dtype: str | None) -> None:
         """Write a folder."""
         own = self._people.about.dtype if isinstance(self._people, PeopleInFolder) else DTYPES[0]
-        about = About.of(self, own if dtype is None else _checked_dtype(dtype))
-        frame = self._people.frame
-        kept = about.kinds(frame), about.words(), {MASK: frame.mask}
-        entries = _entries(self._people, places, about.dtype)
+        about, frame, index = About.of(self, own if dtype is None else _checked_dtype(dtype)), self._people.frame, None
+        common: dict[str, NDArray[Any]] = {MASK: frame.mask}
+        if self._people.index is not None:
+            index = self._people.index
+            about = replace(about, stops=index.stops, sample=index.sample)
+            common[BASIS] = index.basis.rows
+        people = ((self._people.name(place), self._people.enrolment(place)) for place in places)
+        kept = entries_of(people, about.dtype, index), about.kinds(frame), about.words(), common
         if not (path / MANIFEST).exists():
-            make_whole(path, entries, *kept)
+            make_whole(path, *kept)
             return
         folder = ArrayFolder(path)
         About.read(folder.version(leave_out_damaged=True), str(path))
-        folder.replace(entries, *kept)
-
-
-def _entries(people: People, places: Sequence[int], dtype: str) -> Iterator[Entry]:
-    """Yield people as they are kept."""
-    for place in places:
-        yield entry_of(people.name(place), people.enrolment(place), dtype)
+        folder.replace(*kept)
 
 
 def _checked_dtype(dtype: str) -> str:
@@ -282,27 +302,3 @@ def _checked_dtype(dtype: str) -> str:
     if dtype not in DTYPES:
         raise HarmonicFaceError(f"dtype: expected one of {', '.join(DTYPES)}, got {_validate.describe(dtype)}")
     return dtype
-
-
-def _is_folder(path: str | os.PathLike[str]) -> bool:
-    """Tell whether a folder is there."""
-    try:
-        return Path(path).is_dir()
-    except (OSError, ValueError):  # a name that nothing can have: opening it says so
-        return False
-
-
-def _exists(path: str | os.PathLike[str]) -> bool:
-    """Tell whether anything is there."""
-    try:
-        return Path(path).exists()
-    except (OSError, ValueError):
-        return False
-
-
-def _same(one: Path, other: Path) -> bool:
-    """Tell whether two paths are one folder."""
-    try:
-        return one.exists() and other.exists() and one.samefile(other)
-    except (OSError, ValueError):
-        return False

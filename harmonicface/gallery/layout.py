@@ -7,8 +7,9 @@ a shared basis. Of the folder are `mask` (h, w) and that `basis` (m, p) float64,
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,10 @@ from numpy.typing import NDArray
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.enrolment import SOURCES, Enrolment
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.index import Index
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.rule import Rule
-from harmonicface.gallery.search.packing import sketch_kinds
+from harmonicface.gallery.search.packing import packed, sketch_kinds
 from harmonicface.recognition.grid import grid
 from harmonicface.recognition.patterns import SCALES, Template
 from harmonicface.recognition.subspace import Subspace
@@ -28,6 +30,7 @@ from harmonicface.store.version import Version
 
 FORMAT, VERSION = "harmonicface gallery", "4"
 DTYPES = ("float32", "float16")
+TOGETHER = 64  # people who are sketched at once
 ROWS, COEFFICIENTS, TEMPLATE, MASK, BASIS = "rows", "to_coefficients", "template", "mask", "basis"
 # How far |q_k| of stored rows may be from 1, and their products from 0: float16 errs by half a unit of 2^-10 in each
 # number, so by less than 2^-10 in a product of two rows; float32 rows are rounded from float64.
@@ -77,9 +80,8 @@ class About:
         if said.get("format") != FORMAT:
             raise HarmonicFaceError(f"{path:.300}: expected a {FORMAT}, got a folder of {said.get('format')!r:.80}")
         if said.get("version") != VERSION:
-            raise HarmonicFaceError(
-                f"{path:.300}: expected version {VERSION} of the gallery format in a folder, got {said.get('version')!r:.40}"
-            )
+            expected, got = f"version {VERSION} of the gallery format in a folder", said.get("version")
+            raise HarmonicFaceError(f"{path:.300}: expected {expected}, got {got!r:.40}")
         try:
             about = cls(**{name: said[name] for name in cls.__dataclass_fields__})
             about = cls(**{**asdict(about), "stops": tuple(about.stops)})
@@ -129,28 +131,27 @@ class About:
             raise ValueError("the parts of the gallery contradict each other")
 
 
-def entry_of(name: str, enrolled: Enrolment, dtype: str, sketched: Mapping[str, NDArray[Any]] | None = None) -> Entry:
-    """Return a person as she is kept.
+def entries_of(people: Iterable[tuple[str, Enrolment]], dtype: str, index: Index | None) -> Iterator[Entry]:
+    """Yield people as they are kept.
 
     Parameters
     ----------
-    name
-        Hers.
-    enrolled
-        What stands for her.
+    people
+        Names and what stands for each.
     dtype
         Of the gallery's rows.
-    sketched
-        Her arrays of `search.packing`, of the rows as kept (`kept_rows`); None in a gallery without a shared basis.
+    index
+        In which everybody is sketched, by the rows as kept; None in a gallery without a shared basis.
     """
-    arrays: dict[str, NDArray[Any]] = {
-        ROWS: kept_rows(enrolled.subspace, dtype),
-        COEFFICIENTS: enrolled.subspace.to_coefficients.reshape(-1),
-        **(sketched or {}),
-    }
-    if enrolled.template is not None:
-        arrays[TEMPLATE] = enrolled.template.values[None]
-    return Entry(name, arrays, {"source": enrolled.source})
+    left = iter(people)
+    while some := list(islice(left, TOGETHER)):
+        rows = [kept_rows(enrolled.subspace, dtype) for _, enrolled in some]
+        sketched = [{} for _ in some] if index is None else [packed(one) for one in index.sketches(rows)]
+        for (name, enrolled), hers, arrays in zip(some, rows, sketched, strict=True):
+            arrays |= {ROWS: hers, COEFFICIENTS: enrolled.subspace.to_coefficients.reshape(-1)}
+            if enrolled.template is not None:
+                arrays[TEMPLATE] = enrolled.template.values[None]
+            yield Entry(name, arrays, {"source": enrolled.source})
 
 
 def kept_rows(subspace: Subspace, dtype: str) -> NDArray[np.floating[Any]]:

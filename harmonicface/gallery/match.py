@@ -43,6 +43,25 @@ class Candidate:
 
 
 @dataclass(frozen=True)
+class Search:
+    """How many people stage one excluded on the way to its answer, which is that of a scan of everybody.
+
+    Parameters
+    ----------
+    people
+        How many there were.
+    survivors
+        How many of them no bound had excluded after each stage; empty where everybody was scanned.
+    measured
+        Of how many the exact distance was computed.
+    """
+
+    people: int
+    survivors: tuple[int, ...]
+    measured: int
+
+
+@dataclass(frozen=True)
 class Match:
     """Whose photograph it is, as far as the gallery can tell.
 
@@ -66,6 +85,8 @@ class Match:
         What is compared: "intensities", or "patterns" (the default model).
     reason
         Why nobody is named; None if somebody is.
+    search
+        Of how many people stage one read how much; only where `match` was asked to explain.
     evidence
         The photograph and the first candidate's pictures, for `explain`.
     """
@@ -77,6 +98,7 @@ class Match:
     candidates: tuple[Candidate, ...]
     domain: str = INTENSITIES
     reason: str | None = None
+    search: Search | None = field(default=None, compare=False)
     evidence: Evidence | None = field(default=None, repr=False, compare=False)
 
     def explain(self) -> Explanation:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +12,11 @@ from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.album import Album
-from harmonicface.gallery.enrolment import MOST_ROWS, WITH_GEOMETRY, Enrolment
+from harmonicface.gallery.enrolment import MOST_ROWS, WITH_GEOMETRY, Enrolment, Model
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.index import LEARNED_AT, Index, sampled
 from harmonicface.gallery.portrait import Portrait
+from harmonicface.gallery.promised import Promise, enrolled
 from harmonicface.gallery.rows import RowBlock
 from harmonicface.gallery.searcher import Searcher
 from harmonicface.lighting.light import HarmonicLight
@@ -133,6 +134,14 @@ class People(ABC):
     def portrait(self, place: int) -> Portrait:
         """Return what the default model keeps of a person; those that were asked for last stay in memory."""
         return self._album[place]
+
+    def enrolments(self, sources: Iterable[Promise], model: Model) -> Iterator[Enrolment]:
+        """Yield what stands for people, in their order."""
+        frame = self.known_frame
+        for source in sources:
+            found = enrolled(source, frame, model)
+            frame = found.frame
+            yield found
 
     def learned(self, sample: int, seed: int) -> Index:
         """Return a shared basis that is learned from so many of the people, or all if they are fewer."""

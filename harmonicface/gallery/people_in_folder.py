@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.checkup import checkup
-from harmonicface.gallery.distributed import SharedShelf
-from harmonicface.gallery.enrolment import Enrolment
+from harmonicface.gallery.distributed import SharedShelf, enrolments
+from harmonicface.gallery.enrolment import Enrolment, Model
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.index import Index
 from harmonicface.gallery.layout import (
@@ -28,17 +28,18 @@ from harmonicface.gallery.layout import (
     About,
     check_rows,
     enrolled_from,
-    entry_of,
-    kept_rows,
+    entries_of,
 )
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.people import People
+from harmonicface.gallery.promised import Promise
 from harmonicface.gallery.rows import RowBlock
 from harmonicface.gallery.rule import Rule
 from harmonicface.gallery.search.packing import packed
 from harmonicface.gallery.search.shared_basis import SharedBasis
 from harmonicface.gallery.searcher import Searcher
 from harmonicface.gallery.shelf import Shelf
+from harmonicface.gallery.staging import refuse_writing
 from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.part import Damage, Part
@@ -84,6 +85,7 @@ class PeopleInFolder(People):
         self.damaged: tuple[Damage, ...] = ()
         self.rule = rule
         self._folder: ArrayFolder | None = None
+        self._url: str | None = None
         self._version: Version | None = None
         self._index: Index | None = None
         self._searcher: Searcher | None = None
@@ -93,8 +95,8 @@ class PeopleInFolder(People):
         self._parts: tuple[Part, ...] = ()
 
     @classmethod
-    def opened(cls, path: Path, client: Client | None = None) -> PeopleInFolder:
-        """Open a folder.
+    def opened(cls, path: Path, client: Client | None = None, url: str | None = None) -> PeopleInFolder:
+        """Open a folder; with a url it is the copy of one in object storage, which nobody writes to.
 
         Raises
         ------
@@ -105,7 +107,7 @@ class PeopleInFolder(People):
         version = _version(folder)
         about = About.read(version, str(path))
         people = cls(path, about.rule(), about.dtype, None, client)
-        people._folder = folder
+        people._folder, people._url = folder, url
         people._take(version, about)
         return people
 
@@ -142,9 +144,10 @@ class PeopleInFolder(People):
 
     @property
     def folder(self) -> ArrayFolder:
-        """The folder; raises as `version` does."""
+        """The folder, to be written to; raises as `version` does, and for a copy of one in object storage."""
         assert self.version is not None
         assert self._folder is not None
+        refuse_writing(self._url or self.path)
         return self._folder
 
     def find(self, name: str) -> int | None:
@@ -207,11 +210,17 @@ class PeopleInFolder(People):
         """
         if self._searcher is None and self.client is not None:
             sound = replace(self.version.manifest, shards=tuple(part.listed for part in self._parts))
-            self._searcher = SharedShelf(str(self.path), self.client, sound)
+            self._searcher = SharedShelf(self._url or str(self.path), self.client, sound)
         elif self._searcher is None and self.index is not None:
             firsts = self._firsts[:-1].tolist()
             self._searcher = Shelf.of_parts(self._parts, firsts, self.index.basis, self.index.stops)
         return self._searcher
+
+    def enrolments(self, sources: Iterable[Promise], model: Model) -> Iterator[Enrolment]:
+        """Yield what stands for people, in their order, made by the cluster if there is one."""
+        if self.client is None:
+            return super().enrolments(sources, model)
+        return enrolments(self.client, sources, self.known_frame, model)
 
     def add(self, people: Sequence[tuple[str, Enrolment]]) -> None:
         """Add people, durably and at once."""
@@ -222,11 +231,15 @@ class PeopleInFolder(People):
 
     def _added(self, people: Sequence[tuple[str, Enrolment]]) -> bool:
         """Write people, unless what they are written for has changed."""
+        for name, enrolled in people:
+            if self._version is not None and not np.array_equal(enrolled.frame.mask, self.frame.mask):
+                raise HarmonicFaceError(f"{name}: expected the pixels of the gallery at {self.path!s:.300}, got others")
         try:
             if self._version is None:
-                self.make(people[0][1].frame, self._entries(people))
+                self.make(people[0][1].frame, people)
             else:
-                self.folder.append(self._entries(people), made_for=self.version)
+                entries = entries_of(people, self.about.dtype, self.index)
+                self.folder.append(entries, made_for=self.version)
         except TakenError:
             self._folder = ArrayFolder(self.path)
             return False
@@ -234,9 +247,10 @@ class PeopleInFolder(People):
             return False
         return True
 
-    def make(self, frame: Frame, entries: Iterable[Entry] = ()) -> None:
-        """Make the folder."""
+    def make(self, frame: Frame, people: Iterable[tuple[str, Enrolment]] = ()) -> None:
+        """Make the folder with people in it; raises `TakenError` if something is there."""
         self.about = About.of(self.rule, self.about.dtype)
+        entries = entries_of(people, self.about.dtype, None)
         make_whole(self.path, entries, self.about.kinds(frame), self.about.words(), {MASK: frame.mask})
         self._folder = ArrayFolder(self.path)
         self.refresh()
@@ -289,27 +303,18 @@ class PeopleInFolder(People):
     def _take(self, version: Version, about: About) -> None:
         """Stand for the people of a version."""
         frame = Frame.of(version.common[MASK])
+        other = about.model != self.rule.model
         if self._version is not None:
-            same = about.model == self.about.model and np.array_equal(frame.mask, self.frame.mask)
-            if not same:
-                raise HarmonicFaceError(f"{self.path!s:.300}: expected the gallery that was opened, got another there")
+            other = other or not np.array_equal(frame.mask, self.frame.mask)
             if version.manifest.common != self._version.manifest.common:
                 self._index = None
+        if other:
+            raise HarmonicFaceError(f"{self.path!s:.300}: expected the gallery that was opened, got another there")
         self.known_frame, self.about, self._version, self.damaged = frame, about, version, version.damaged
         self._parts = version.parts
         self._firsts = np.cumsum([0, *map(len, version.parts)])
         self._indices, self._searcher = {}, None
         self._album.forget()
-
-    def _entries(self, people: Iterable[tuple[str, Enrolment]]) -> Iterator[Entry]:
-        """Yield people as they are kept, with sketches if there is a shared basis."""
-        pairs = list(people)
-        if self.index is None:
-            yield from (entry_of(name, enrolled, self.about.dtype) for name, enrolled in pairs)
-            return
-        sketches = self.index.sketches([kept_rows(enrolled.subspace, self.about.dtype) for _, enrolled in pairs])
-        for (name, enrolled), sketch in zip(pairs, sketches, strict=True):
-            yield entry_of(name, enrolled, self.about.dtype, packed(sketch))
 
     def _where(self, place: int) -> tuple[Part, int]:
         """Return the part in which a person is, and her index there."""

@@ -30,6 +30,7 @@ class PeopleInMemory(People):
         super().__init__(frame)
         self._rows: StackedRows | None = None
         self._names: list[str] = []
+        self._known: set[str] = set()  # the names
         self._sources: list[str] = []
         self._templates: list[Template] = []  # of the default model
         self._index: Index | None = None
@@ -54,7 +55,7 @@ class PeopleInMemory(People):
         """Memory of rows, templates, sketches and pictures."""
         rows = 0 if self._rows is None else self._rows.array.nbytes
         templates = sum(template.nbytes for template in self._templates)
-        return rows + templates + sum(sketch.nbytes for sketch in self._sketches) + self._album.nbytes
+        return rows + templates + sum(map(_nbytes, self._sketches)) + self._album.nbytes
 
     @property
     def _everybody(self) -> StackedRows:
@@ -63,10 +64,7 @@ class PeopleInMemory(People):
 
     def find(self, name: str) -> int | None:
         """Return the place of a person; None if nobody has that name."""
-        try:
-            return self._names.index(name)
-        except ValueError:
-            return None
+        return self._names.index(name) if name in self._known else None
 
     def name(self, place: int) -> str:
         """Return a person's name."""
@@ -110,6 +108,7 @@ class PeopleInMemory(People):
                 self._rows = StackedRows(np.empty((0, enrolled.frame.pixels), np.float32))
             self._rows.append(enrolled.subspace)
             self._names.append(name)
+            self._known.add(name)
             self._sources.append(enrolled.source)
             if enrolled.template is not None:
                 self._templates.append(enrolled.template)
@@ -122,6 +121,7 @@ class PeopleInMemory(People):
         """Take people out; those behind them move up."""
         for place in sorted(map(self.place, names), reverse=True):
             self._everybody.remove(place)
+            self._known.discard(self._names[place])
             del self._names[place], self._sources[place]
             del self._templates[place : place + 1], self._sketches[place : place + 1]
         self._searcher = None
@@ -130,8 +130,14 @@ class PeopleInMemory(People):
     def rename(self, old: str, new: str) -> None:
         """Give a person another name; she keeps her place."""
         self._names[self.place(old)] = new
+        self._known = set(self._names)
 
     def restore(self, rows: StackedRows, sources: dict[str, str], templates: Sequence[Template]) -> None:
         """Take in everybody from a file."""
         self._rows, self._templates = rows, list(templates)
-        self._names, self._sources = list(sources), list(sources.values())
+        self._names, self._known, self._sources = list(sources), set(sources), list(sources.values())
+
+
+def _nbytes(sketch: Sketch) -> int:
+    """Return the memory of a sketch."""
+    return sum(array.nbytes for array in (sketch.form, *sketch.numbers, sketch.levels, sketch.doubts))

@@ -1,4 +1,4 @@
-"""Who is nearest: a fast product over everybody, then exact distances for those who may be among the first."""
+"""Who is nearest: a search, or a product over everybody, then exact distances for those who may be the first."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.rows import RowBlock
-from harmonicface.recognition.subspace import Subspace, unit_photo
+from harmonicface.gallery.search.cascade import FURTHEST, Found
+from harmonicface.gallery.searcher import Searcher
+from harmonicface.recognition.subspace import Subspace
 
 # Closeness |Q y|^2 is summed in float32; whoever is within this of the last place is examined too.
 ROUNDING = 1e-5
@@ -36,14 +38,22 @@ class Everybody(Protocol):
         """Yield everybody's rows, the people of each block one after the other."""
         ...
 
+    def searcher(self) -> Searcher | None:
+        """Return who finds people without reading everybody; None as long as they are scanned."""
+        ...
+
     @property
     def rounding(self) -> float:
         """How far |Q y|^2 may be from 1 - distance^2 because stored rows are not quite orthonormal."""
         ...
 
 
-def rank(people: Everybody, unit: NDArray[np.float64], good: Good, top: int) -> list[tuple[float, int]]:
-    """Return the `top` smallest distances and whose they are, nearest first; ties go to who was enrolled first.
+def rank(
+    people: Everybody, unit: NDArray[np.float64], good: Good, top: int | None, furthest: float = FURTHEST
+) -> Found:
+    """Return who is nearest to a photograph, and how many people were excluded on the way.
+
+    Through a mask, and among people without a shared basis, everybody is looked at.
 
     Parameters
     ----------
@@ -54,37 +64,40 @@ def rank(people: Everybody, unit: NDArray[np.float64], good: Good, top: int) -> 
     good
         (p,) booleans: which pixels these are.
     top
-        How many, at least 1.
+        How many at most, at least 1; None for all within the distance.
+    furthest
+        Nobody farther than this.
     """
+    searcher = people.searcher() if good.all() else None
+    if searcher is not None:
+        return searcher.search(unit, top, furthest)
     closeness, doubt = _closeness(people, unit, good)
-    last = np.partition(closeness, -top)[-top] if top < len(closeness) else -np.inf
-    candidates = np.flatnonzero(closeness >= last - doubt)
-    exact = [(distance(people, int(place), unit, good), int(place)) for place in candidates]
-    return sorted(exact)[:top]
+    last = -np.inf if top is None or top >= len(closeness) else float(np.partition(closeness, -top)[-top])
+    candidates = np.flatnonzero(closeness >= max(last, 1 - furthest**2) - doubt)
+    exact = sorted((distance(people, int(place), unit, good), int(place)) for place in candidates)
+    nearest = [one for one in exact if one[0] <= furthest][:top]
+    return Found(tuple(who for _, who in nearest), tuple(far for far, _ in nearest), (), len(candidates))
 
 
-def shortlist(people: Everybody, pixels: NDArray[np.float64], good: Good, count: int) -> NDArray[np.intp]:
-    """Return the `count` people nearest to a photograph, in the order of enrolment; the first ones if it is dark.
+def shortlist(people: Everybody, unit: NDArray[np.float64], good: Good, count: int) -> Found:
+    """Return the `count` people nearest to a photograph, in the order of enrolment.
 
-    They are those of `rank`; exact distances are computed of those only who may be the last on the list or the first
-    off it.
+    They are those of `rank`. Of a scan, exact distances are computed of those only who may be the last on the list or
+    the first off it, and none are returned.
 
     Parameters
     ----------
-    people
-        At least one, with orthonormal rows over p pixels.
-    pixels
-        The good pixels of a photograph.
-    good
-        (p,) booleans: which pixels these are.
+    people, unit, good
+        As for `rank`.
     count
         How many, at least 1.
     """
-    if count >= len(people) or not pixels.any():
-        return np.arange(min(count, len(people)))
-    unit = unit_photo(pixels, len(pixels))
+    searcher = people.searcher() if good.all() else None
+    if searcher is not None:
+        return searcher.search(unit, count)
     closeness, doubt = _closeness(people, unit, good)
-    return _nearest(closeness, count, doubt, lambda place: distance(people, place, unit, good))
+    chosen, measured = _nearest(closeness, count, doubt, lambda place: distance(people, place, unit, good))
+    return Found(tuple(chosen.tolist()), (), (), measured)
 
 
 def displaced_shortlist(
@@ -104,6 +117,11 @@ def displaced_shortlist(
     if count >= len(people):
         return np.arange(len(people))
     units = displaced(frame, pixels, good)
+    searcher = people.searcher()
+    if searcher is not None:
+        found = searcher.search_many(units, count)
+        nearest_first = sorted(pair for one in found for pair in zip(one.distances, one.people, strict=True))
+        return np.sort(np.array(list(dict.fromkeys(who for _, who in nearest_first))[:count], np.intp))
     single = units.astype(np.float32)
     closeness = np.concatenate([block.displaced_closeness(single) for block in people.blocks()])
 
@@ -111,7 +129,7 @@ def displaced_shortlist(
         subspace = people.subspace(place)
         return min(subspace.distance(unit) for unit in units)
 
-    return _nearest(closeness, count, 2 * (ROUNDING + people.rounding), nearest)
+    return _nearest(closeness, count, 2 * (ROUNDING + people.rounding), nearest)[0]
 
 
 def displaced(frame: Frame, pixels: NDArray[np.float64], good: Good) -> NDArray[np.float64]:
@@ -136,14 +154,17 @@ def distance(people: Everybody, place: int, unit: NDArray[np.float64], good: Goo
 
 def _nearest(
     closeness: NDArray[np.floating], count: int, doubt: float, exact: Callable[[int], float]
-) -> NDArray[np.intp]:
-    """Return the `count` nearest places, rising; exact distances decide where closeness is in doubt."""
+) -> tuple[NDArray[np.intp], int]:
+    """Return the `count` nearest places, rising, and of how many exact distances had to decide."""
+    if count >= len(closeness):
+        return np.arange(len(closeness)), 0
     last = np.partition(closeness, -count)[-count]
     sure = np.flatnonzero(closeness > last + doubt)
     rest = np.flatnonzero((closeness >= last - doubt) & (closeness <= last + doubt))
-    if len(sure) + len(rest) > count:
+    measured = len(rest) if len(sure) + len(rest) > count else 0
+    if measured:
         rest = np.array([place for _, place in sorted((exact(int(one)), int(one)) for one in rest)], np.intp)
-    return np.sort(np.concatenate([sure, rest[: count - len(sure)]]))
+    return np.sort(np.concatenate([sure, rest[: count - len(sure)]])), measured
 
 
 def _closeness(people: Everybody, unit: NDArray[np.float64], good: Good) -> tuple[NDArray[np.floating], float]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,10 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.enrolment import Model, enrolment_of
+from harmonicface.gallery.enrolment import Enrolment, Model, enrolment_of
+from harmonicface.gallery.index import LEARNED_AT
 from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.people import People
+from harmonicface.gallery.promised import Promise
 from harmonicface.surfaces.surface import Surface
+
+PIECE = 1 << 27  # bytes of people who are written together
 
 
 class Roll:
@@ -81,7 +86,80 @@ class Roll:
             model fewer than 24 pixels a side.
         """
         self._refuse_known(checked_name(name))
-        self._people.add(name, enrolment_of(source, self._people.known_frame, self._model, lights))
+        self._people.add([(name, enrolment_of(source, self._people.known_frame, self._model, lights))])
+
+    def enroll_many(self, people: Iterable[tuple[str, Promise]], progress: Callable[[int], None] | None = None) -> int:
+        """Add many people, in memory that does not grow with their number where the gallery is in a folder.
+
+        They are written by the piece of 128 MB. Whoever came before one who is refused is enrolled. A gallery that was
+        opened with the client of a cluster has its workers make people of sources, in order.
+
+        Parameters
+        ----------
+        people
+            Names and sources, as for `enroll`; a source may also be a file (of a mesh, seen from the front, points, a
+            Surface or a photograph), or a function without arguments that returns a Surface or photographs.
+        progress
+            Is called with how many people have been made so far, after each.
+
+        Returns
+        -------
+        int
+            How many were added.
+
+        Raises
+        ------
+        HarmonicFaceError
+            As `enroll`, and a file that cannot be read.
+        """
+        coming: deque[str] = deque()  # names of whom is being made
+        piece: dict[str, Enrolment] = {}  # made, and still to be written
+        done = nbytes = 0
+
+        def sources() -> Iterator[Promise]:
+            for name, source in people:
+                self._refuse_known(checked_name(name))
+                if name in coming or name in piece:
+                    raise HarmonicFaceError(f"name: expected everybody once, got {name!r} twice")
+                coming.append(name)
+                yield source
+
+        try:
+            for enrolled in self._people.enrolments(sources(), self._model):
+                piece[coming.popleft()] = enrolled
+                nbytes, done = nbytes + enrolled.nbytes, done + 1
+                if progress is not None:
+                    progress(done)
+                if nbytes >= PIECE or len(piece) == self._people.room:
+                    written, piece, nbytes = piece, {}, 0
+                    self._people.add(list(written.items()))
+        finally:
+            if piece:
+                self._people.add(list(piece.items()))
+        return done
+
+    def index(self, people: int = LEARNED_AT, seed: int = 0) -> None:
+        """Learn anew what a search without reading everybody needs, as happens by itself at the 1000th person.
+
+        A shared basis is learned from a sample of the people, and everybody is sketched in it. Answers are the same
+        with any basis and with none; a gallery that has grown far beyond its sample may become faster. In a folder
+        everything is written anew and switched to at once, which needs as much free space as it takes.
+
+        Parameters
+        ----------
+        people
+            How many the sample has, at least 1. Memory: three times their rows.
+        seed
+            Of the sample and of a randomized factorization, at least 0.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Nobody is in the gallery, or a full disk.
+        """
+        if not len(self):
+            raise HarmonicFaceError("index: expected a gallery with somebody in it, got an empty one")
+        self._people.learn(_validate.at_least(people, 1, "people"), _validate.at_least(seed, 0, "seed"))
 
     def remove(self, names: str | Iterable[str]) -> None:
         """Take a person out, or several: all or none.

@@ -1,4 +1,4 @@
-"""The rows of many people, stacked: closeness to all of them is one product; an array of them that grows and shrinks."""
+"""The rows of many people, stacked, so that closeness to all of them is one product."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import tempfile
@@ -22,6 +23,10 @@ try:
     import fcntl
 except ImportError:  # not a POSIX system: no locks there
     fcntl = None  # type: ignore[assignment]
+
+
+class TakenError(HarmonicFaceError):
+    """Somebody else has made something at that place meanwhile."""
 
 
 def make_whole(
@@ -45,7 +50,9 @@ def make_whole(
     Raises
     ------
     HarmonicFaceError
-        Something else is there, what is given cannot be kept, or the disk is full.
+        What is given cannot be kept, or the disk is full.
+    TakenError
+        Something is there.
     """
     target = Path(path)
     with _beside(target) as temporary:
@@ -54,7 +61,9 @@ def make_whole(
         try:
             temporary.rename(target)  # takes the place of an empty folder, of nothing else
         except OSError as error:
-            raise HarmonicFaceError(f"cannot make the folder {target!s:.300}: {error.strerror or error}") from None
+            taken = error.errno in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR)
+            refused = TakenError if taken else HarmonicFaceError
+            raise refused(f"cannot make the folder {target!s:.300}: {error.strerror or error}") from None
         writing.make_durable(target.resolve().parent)
 
 
