@@ -19,6 +19,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.checkup import checkup, discard
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.inventory import Inventory, inventory, is_folder
+from harmonicface.gallery.names import checked_name
 from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.io.files import alone_in
 from harmonicface.store.part import Damage
@@ -94,11 +95,19 @@ def verify(
 def _told(damage: Damage) -> Iterator[str]:
     """Say what is damaged and who is lost."""
     yield f"damaged: {damage.reason}"
-    names = ", ".join(damage.keys[:MOST_NAMES]) + (", ..." if len(damage.keys) > MOST_NAMES else "")
+    names = ", ".join(map(_printable, damage.keys[:MOST_NAMES])) + (", ..." if len(damage.keys) > MOST_NAMES else "")
     if names:
         yield f"    {len(damage.keys)} of {_people(damage.entries)} lost: {names}"
     elif damage.entries:
         yield f"    of {_people(damage.entries)} in it nobody is lost by name"
+
+
+def _printable(name: str) -> str:
+    """Return a name as people have them, and of any other the beginning as Python writes it."""
+    try:
+        return checked_name(name)
+    except HarmonicFaceError:
+        return f"{ascii(name)!s:.80}"
 
 
 @app.command()

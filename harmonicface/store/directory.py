@@ -17,6 +17,7 @@ from harmonicface.store.entry import DIGEST_BYTES, Entry, about_text, digest
 from harmonicface.store.tensors import Bytes, packed, views
 
 MULTIPLE = 64  # bytes: what stands behind a directory in a file is aligned
+ENTRY_BYTES = 24 + DIGEST_BYTES  # of an entry in a directory, at least: two ends, a hash, a checksum
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ import numpy as np
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
+from harmonicface.store.directory import ENTRY_BYTES
 from harmonicface.store.entry import Kind, checked_key
 from harmonicface.store.plain_file import plain_file
 from harmonicface.store.shard import Record
@@ -207,6 +208,8 @@ def _listed(one: dict[str, Any]) -> Listed:
     rises = bool(np.all(np.diff(removed) > 0)) if removed else True
     if record.nbytes < 8 or record.entries < 1:
         raise ValueError("an empty shard")
+    if record.entries * ENTRY_BYTES > record.directory_bytes:
+        raise ValueError("more entries than a directory of so many bytes has")
     inside = max((*removed, *renamed, 0)) < record.entries
     if not (rises and inside) or record.directory_start + 2 * record.directory_bytes > record.nbytes:
         raise ValueError("entries or a directory outside the shard")

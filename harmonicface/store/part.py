@@ -59,8 +59,14 @@ class Part:
 
     @cached_property
     def alive(self) -> NDArray[np.bool_]:
-        """(n,) which entries of the shard are in the folder; the arrays hold the rows of the others too."""
-        alive = np.ones(self.listed.record.entries, np.bool_)
+        """(n,) which entries of the shard are in the folder; the arrays hold the rows of the others too.
+
+        Raises
+        ------
+        HarmonicFaceError
+            Both directories of the shard are damaged.
+        """
+        alive = np.ones(len(self.shard.directory), np.bool_)
         alive[list(self.listed.removed)] = False
         return alive
 

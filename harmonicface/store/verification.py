@@ -40,7 +40,7 @@ def damage_in(part: Part) -> Damage | None:
         return part.damage(shard.fault)
     try:
         read_through(shard.path)
-        bad = damaged_entries(shard, np.arange(record.entries, dtype=np.int64))
+        bad = damaged_entries(shard, np.arange(len(shard.directory), dtype=np.int64))
         keys = tuple(part.key(index) for index in bad if part.alive[index])
         for index in part.indices.tolist():
             part.key(index), part.shard.directory.about(index)

@@ -182,6 +182,16 @@ def test_rows_that_no_gallery_has_are_found_behind_right_checksums(run, path) ->
     assert hf.Gallery.open(path).names == ("ada", "sofia", "maria")
 
 
+def test_names_that_people_do_not_have_are_printed_on_one_line(run, path) -> None:
+    folder = ArrayFolder(path)
+    folder.rename("ada", "a\nb" + "c" * 500)
+    answer = run("verify", path)
+    assert answer.code == 1
+    assert len(answer.out.splitlines()) == 2
+    assert answer.out.endswith("lost: 'a\\nb" + "c" * 75 + "\n")
+    assert all(len(line) < 500 for line in answer.out.splitlines())
+
+
 @pytest.mark.parametrize("name", ["manifest.json", "0000000000.safetensors"])
 def test_what_cannot_be_opened_without_is_told_as_damage_too(run, path, name) -> None:
     flip(path / name, 100)  # the manifest; the mask

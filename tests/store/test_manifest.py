@@ -103,6 +103,7 @@ def shard(**changes):
         shard(nbytes=0, directory_start=0, directory_bytes=0),
         shard(nbytes=100),
         shard(entries=0),
+        shard(entries=10**15),
         shard(header="A" * 64),
         shard(directory_start="1"),
         shard(removed=[3, 1]),

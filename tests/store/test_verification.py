@@ -93,6 +93,15 @@ def test_a_shard_that_was_cut_short_or_is_longer_still_says_who_was_in_it(filled
         assert (damage.keys, damage.entries) == (expected, 10)
 
 
+def test_more_entries_than_memory(filled) -> None:
+    content = json.loads((filled.path / NAME).read_bytes().splitlines()[0])
+    content["shards"][0].update(entries=2**50, nbytes=2**60, directory_bytes=2**58)
+    line = json.dumps(content).encode()
+    (filled.path / NAME).write_bytes(line + b'\n{"sha256":"' + hashlib.sha256(line).hexdigest().encode() + b'"}\n')
+    (damage,) = filled.verify()
+    assert (damage.keys, damage.entries) == ((), 2**50)
+
+
 @pytest.mark.parametrize("length", [0, 1, 100])
 def test_a_shard_that_cannot_be_opened(filled, path, length) -> None:
     path.write_bytes(path.read_bytes()[:length])
