@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 AT_ONCE = 8  # people whom one task enrols
 NEAR = 0.1  # where nearly everybody is whose photograph is good, and nobody else
+SMALL = 1 << 16  # bytes of photographs that are sent to every worker
+MESSAGE = 1 << 22  # bytes of photographs that are asked for together
 MAPPED = 4  # of a worker's memory, pages of files take at most one part in so many
 Units = NDArray[np.float64]
 Item = TypeVar("Item")
@@ -113,20 +115,26 @@ class SharedShelf:
 
     def closeness(self, units: Units) -> NDArray[np.float32]:
         """Return |Q y|^2 of everybody for unit photographs, (n, q) from (q, p); raises as `search`."""
-        return np.concatenate(self._on_all(_closeness, units=units))
+        return np.concatenate(self._on_all(_closeness, units))
 
     def _asked(self, units: Units, top: int | None, distance: float) -> list[Found]:
         """Return the answers of all shelves together."""
-        answers = self._on_all(_searched, units=units, top=top, distance=distance)
-        return [merged(some, top) for some in zip(*answers, strict=True)]
+        found: list[Found] = []
+        step = max(1, MESSAGE // units[:1].nbytes) if len(units) else 1
+        for start in range(0, len(units), step):
+            answers = self._on_all(_searched, units[start : start + step], top, distance)
+            found += [merged(some, top) for some in zip(*answers, strict=True)]
+        return found
 
-    def _on_all(self, function: Callable[..., Result], **question: Any) -> list[Result]:
+    def _on_all(self, function: Callable[..., Result], units: Units | None = None, *more: object) -> list[Result]:
         """Ask every shelf where it is, and return the answers in their order."""
+        name, question = uuid.uuid4().hex, units
+        if units is not None and units.nbytes > SMALL:  # once to one worker, from which the others have it
+            question = self._client.submit(_given, units, key=f"photographs-{name}")
         # tasks of a name of their own are no mass of equal ones, which Dask would spread over all workers
-        name = f"ask-{uuid.uuid4().hex}"
-        keys = [(name, number) for number in range(len(self._held))]
-        futures = self._client.map(function, self._held, key=keys, **question)
-        return list(self._client.gather(futures))
+        keys = [(f"ask-{name}", number) for number in range(len(self._held))]
+        rest = [[one] * len(keys) for one in (question, *more)]
+        return list(self._client.gather(self._client.map(function, self._held, *rest, key=keys)))
 
 
 class Held:
@@ -255,8 +263,13 @@ def _made(function: Callable[[Any], Any], items: tuple[Any, ...]) -> tuple[list[
     return results, None
 
 
-def _ready(held: Held) -> None:
+def _ready(held: Held, nothing: None) -> None:
     """Do nothing on the worker that holds a shelf."""
+
+
+def _given(units: Units) -> Units:
+    """Have photographs as the result of a task, which Dask makes again where it is lost."""
+    return units
 
 
 def _searched(held: Held, units: Units, top: int | None, distance: float) -> list[Found]:

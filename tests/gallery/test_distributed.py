@@ -19,6 +19,7 @@ from distributed import Client, LocalCluster
 
 import harmonicface as hf
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery import distributed
 from harmonicface.gallery.distributed import AT_ONCE, NEAR, Held, SharedShelf, enrolments, in_order, threads_of
 from harmonicface.gallery.enrolment import Model, enrolment_of
 from harmonicface.gallery.frame import Frame
@@ -67,6 +68,17 @@ def test_answers_are_those_of_one_process(shelf: SharedShelf, top: int | None, d
     assert [pairs(one) for one in shelf.search_many(ASKED, top, distance)] == expected
     assert pairs(shelf.search(ASKED[0], top, distance)) == expected[0]
     assert shelf.search_many(ASKED[:0], top, distance) == []
+
+
+@pytest.mark.parametrize(("small", "message"), [(1, 1 << 22), (1, 2 * ASKED[:1].nbytes), (1 << 16, 1)])
+def test_photographs_that_are_large_take_another_way(
+    shelf: SharedShelf, monkeypatch: pytest.MonkeyPatch, small: int, message: int
+) -> None:
+    monkeypatch.setattr(distributed, "SMALL", small)
+    monkeypatch.setattr(distributed, "MESSAGE", message)
+    expected = [scan(PEOPLE, unit, 2, 1.0) for unit in ASKED]
+    for _ in range(3):
+        assert [pairs(one) for one in shelf.search_many(ASKED, 2)] == expected
 
 
 def test_one_person_is_looked_for_nearby_first(shelf: SharedShelf, monkeypatch: pytest.MonkeyPatch) -> None:
