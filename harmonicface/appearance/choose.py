@@ -12,6 +12,7 @@ from harmonicface._validate import Floats
 from harmonicface.appearance.choose_candidates import Candidate, Cost, candidates, padded
 from harmonicface.appearance.choose_error import ErrorTheory, PredictedError
 from harmonicface.appearance.choose_images import images_of
+from harmonicface.appearance.choose_lights import light_power
 from harmonicface.appearance.principal_lights import Lights, light_statistics
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.reflectance.materials import Material
@@ -191,11 +192,11 @@ def choose_model(
         raise HarmonicFaceError(f"material: expected Phong or Microfacet, got {_validate.describe(material)}")
     casting = surface.depth is not None or surface.scene is not None if shadows is None else bool(shadows)
     statistics = light_statistics(lights)
-    theory = ErrorTheory(images_of(surface, casting, material), statistics)
+    theory = ErrorTheory(images_of(surface, casting, material), statistics, light_power(lights, statistics))
     table = []
     for each in candidates(theory, casting, material):
         error = theory.of_images(each.kind, padded(each.lights), spread)
-        table.append(ModelRow(each, error, each.cost(error.rank, theory.pixels), error.total * RESERVE <= wanted))
+        table.append(ModelRow(each, error, each.cost(error.rank, theory.pixels), error.most * RESERVE <= wanted))
     table.sort(key=lambda row: row.cost.order)
     meeting = [row for row in table if row.meets]
     chosen = meeting[0] if meeting else min(table, key=lambda row: row.error.total)
