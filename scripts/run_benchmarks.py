@@ -24,7 +24,6 @@ IN_FULL = (  # within about a minute and a half each on two cores; the others ta
     "match",
     "materials",
     "stereo",
-    "surface_stability",
 )
 
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from harmonicface.bench.hard_photographs import lamps
+from harmonicface.bench.stability.hard_photographs import lamps
 
 SCRIPT = Path(__file__).parents[1] / "scripts" / "photometric_stereo.py"
 LAMPS = lamps(6)

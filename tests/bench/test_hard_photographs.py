@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harmonicface.bench.hard_photographs import COUNT, NOISE, HardCase, hard_cases, lamps
+from harmonicface.bench.stability.hard_photographs import COUNT, NOISE, HardCase, hard_cases, lamps
 
 CASES = {case.name: case for case in hard_cases(20)}
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harmonicface.appearance.render import render
-from harmonicface.bench.hard_surfaces import bumpy_mesh, nine_images
+from harmonicface.bench.stability.hard_surfaces import bumpy_mesh, nine_images
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.surfaces.depth import surface_from_depth
 from harmonicface.surfaces.mesh import surface_from_mesh

@@ -104,13 +104,29 @@ def sine(rows: ArrayLike, photo: ArrayLike) -> float:
     >>> sine([[1.0, 0.0]], [3.0, 4.0])
     0.8
     """
-    span, (y, _) = np.asarray(rows, np.float64), integers(photo)
+    square, inside, _ = _split(rows, photo)
+    return math.sqrt((square - inside) / square)
+
+
+def closeness(rows: ArrayLike, photo: ArrayLike) -> float:
+    """Return the square of the length that the span of some rows explains of a vector.
+
+    Examples
+    --------
+    >>> closeness([[1.0, 0.0]], [3.0, 4.0])
+    9.0
+    """
+    _, inside, exponent = _split(rows, photo)
+    return float(inside * Fraction(2) ** (2 * exponent))
+
+
+def _split(rows: ArrayLike, photo: ArrayLike) -> tuple[Fraction, Fraction, int]:
+    """Return the squared lengths of a vector and of its part in a span, and the power of two that both are in."""
+    span, (y, exponent) = np.asarray(rows, np.float64), integers(photo)
     a, _ = integers(span.T)
     _, pivots = reduced_rows(a.T @ a)
     columns = a[:, pivots]
-    inside = solve(columns.T @ columns, columns.T @ y) @ (columns.T @ y)
-    square = Fraction(y @ y)
-    return math.sqrt((square - inside) / square)
+    return Fraction(y @ y), solve(columns.T @ columns, columns.T @ y) @ (columns.T @ y), exponent
 
 
 def singular_values(matrix: ArrayLike) -> Long:

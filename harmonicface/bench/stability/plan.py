@@ -269,37 +269,36 @@ HOPELESS_PHOTOGRAPHS = (
     "constant images", "black images", "nothing but noise", "skies: two images only",
     "skies: one for all photographs",
 )  # fmt: skip
-HARD_WITHOUT_LIGHTS = (  # there the lamps are not known better than the shape is
-    "three images", "four images", "all lamps within a degree of a plane", "lamps within 5 degrees",
-    "a planar object", "a mask of 9 pixels", "one black image", "lamps of 1 : 100, said to be equal",
-)  # fmt: skip
 EQUAL_LAMPS = ("equal lamps, told", "one image of another scene, equal lamps told")
 SKIES = ("skies", "skies: one image of another scene", "skies: two images only", "skies: one for all photographs")
 WITH_INTENSITIES = ("lamps of 1 : 100, told", "lamps of 1 : 100, said to be equal")
+HARD_PHOTOGRAPHS = (
+    "three images", "four images", "all lamps within a degree of a plane", "a planar object", "a mask of 9 pixels",
+    "one black image", "lamps of 1 : 100, said to be equal",
+)  # fmt: skip
+ALL_PHOTOGRAPHS = (*HARMLESS_PHOTOGRAPHS, *HARD_PHOTOGRAPHS, *HOPELESS_PHOTOGRAPHS, "lamps within 5 degrees")
 
+# Matte photographs under unknown lights are those of a whole family of surfaces (Belhumeur, Kriegman & Yuille, The
+# Bas-Relief Ambiguity, 1999): no unique answer, so that none of these rows is well-posed. This was corrected after the
+# first run: the plan had called the harmless ones well-posed, of which "one lamp for half of the photographs" and "half
+# the pixels in cast shadow" were refused. What is asked of their answers has not changed.
 PHOTOGRAPHS = (
     *_rows(
         "photometric_stereo, lights known",
-        (
-            *HARMLESS_PHOTOGRAPHS, "three images", "four images", "all lamps within a degree of a plane",
-            "a planar object", "a mask of 9 pixels", "one black image", "lamps of 1 : 100, said to be equal",
-            "one direction wrong", "skies: four images",
-        ),
+        (*HARMLESS_PHOTOGRAPHS, *HARD_PHOTOGRAPHS, "one direction wrong", "skies: four images"),
         (*HOPELESS_PHOTOGRAPHS, "lamps within 5 degrees", "left and right confused in all"),
     ),
     *_rows(
         "photometric_stereo, lamps unknown",
-        (*(case for case in HARMLESS_PHOTOGRAPHS if case not in SKIES), *EQUAL_LAMPS),
-        (*(case for case in HOPELESS_PHOTOGRAPHS if case not in SKIES), *HARD_WITHOUT_LIGHTS),
+        ill=[*(case for case in ALL_PHOTOGRAPHS if case not in SKIES), *EQUAL_LAMPS],
         slow=True,
     ),
     *_rows(
         "photometric_stereo, any light unknown",
-        [case for case in HARMLESS_PHOTOGRAPHS if case not in WITH_INTENSITIES],
-        [case for case in (*HOPELESS_PHOTOGRAPHS, *HARD_WITHOUT_LIGHTS) if case not in WITH_INTENSITIES],
+        ill=[case for case in ALL_PHOTOGRAPHS if case not in WITH_INTENSITIES],
         slow=True,
     ),
-)  # fmt: skip
+)
 
 FAMILIES: dict[str, tuple[Planned, ...]] = {
     "harmonics": HARMONICS,

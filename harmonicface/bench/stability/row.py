@@ -126,12 +126,12 @@ class Outcome:
 
     @property
     def record(self) -> Record:
-        """The row as a record, with the verdict in the note."""
-        said = "" if self.condition is None else f" x condition {self.condition:.1e}"
-        bound = "" if self.allowed is None else f"; allowed: {self.allowed:.1e}{said}"
-        posed = "" if self.planned.posed == "well" else ", ill-posed"
+        """The row as a record: its error in the unit of the note, its time with that of the reference."""
+        allowed = "" if self.allowed is None else f"allowed {self.allowed:.1e}"
+        condition = "" if self.condition is None else f"condition {self.condition:.1e}"
+        note = "; ".join(part for part in (self.verdict, allowed, condition, self.note) if part)
         name = f"{self.planned.solver}: {self.planned.case}"
-        return Record(name, f"{self.verdict}{posed}", self.seconds, self.error, note=f"{self.note}{bound}".lstrip("; "))
+        return Record(name, f"{self.planned.posed}-posed", self.seconds, self.error, note=note)
 
 
 def verdict_of(error: float, allowed: float, posed: Posed = "well") -> Verdict:

@@ -5,9 +5,21 @@ from __future__ import annotations
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
-from harmonicface.bench.stability import factorization, harmonics, integration, inverse_light, photometric, projection
+from harmonicface.bench.measure import Record
+from harmonicface.bench.stability import (
+    factorization,
+    harmonics,
+    integration,
+    inverse_light,
+    photographs,
+    photometric,
+    principal,
+    projection,
+    search,
+    surfaces,
+)
 from harmonicface.bench.stability.plan import FAMILIES
 from harmonicface.bench.stability.row import Answers, Measured, Outcome, Planned, Refused, verdict_of
 from harmonicface.errors import HarmonicFaceError
@@ -22,29 +34,59 @@ SOLVED_BY: dict[str, Callable[[], Answers]] = {
     "factorization of photographs": factorization.of_photographs,
     "factorization of light fields": factorization.of_light_fields,
     "integration": integration.of_integration,
+    "surfaces and transport": surfaces.of_surfaces,
+    "analytic principal components": principal.of_principal,
+    "search": search.of_search,
+    "photographs": photographs.of_photographs,
 }
 
 
-def outcomes(families: Iterable[str] | None = None, *, quick: bool = False) -> Iterator[Outcome]:
-    """Run the rows of some families, or of all, and yield what came of each.
+def outcomes(family: str, *, quick: bool = False) -> Iterator[Outcome]:
+    """Run the rows of a family and yield what came of each.
 
     Parameters
     ----------
-    families
-        Names of `FAMILIES`.
+    family
+        One of `FAMILIES`.
     quick
         Without the rows that take long.
 
     Examples
     --------
-    >>> [outcome.verdict for outcome in outcomes(["rotation"])][:3]
-    ['right', 'right', 'right']
+    >>> next(outcomes("rotation")).verdict
+    'right'
     """
-    for family in FAMILIES if families is None else families:
-        solved = SOLVED_BY[family]()
-        for planned in FAMILIES[family]:
-            if planned.quick or not quick:
-                yield outcome(planned, solved[planned.solver, planned.case])
+    solved = SOLVED_BY[family]()
+    for planned in FAMILIES[family]:
+        if planned.quick or not quick:
+            yield outcome(planned, solved[planned.solver, planned.case])
+
+
+def stability_records(rows: list[Outcome], *, quick: bool = False) -> Iterator[Record]:
+    """Run everything; yield a record of each row, then the counts of each family and of all.
+
+    Parameters
+    ----------
+    rows
+        Is filled with what came of the rows.
+    quick
+        Without the rows that take long.
+    """
+    counts = []
+    for family in FAMILIES:
+        start = len(rows)
+        for row in outcomes(family, quick=quick):
+            rows.append(row)
+            yield row.record
+        counts.append(_counted(family, rows[start:]))
+    yield from counts
+    yield _counted("all", rows)
+
+
+def _counted(what: str, rows: Sequence[Outcome]) -> Record:
+    """Return a record of how many rows have which verdict."""
+    said = ", ".join(f"{number} {name}" for name, number in summary(rows).items() if name != "rows")
+    return Record(f"rows: {what}", f"{len(rows)} rows", sum(row.seconds for row in rows), note=said)
 
 
 def outcome(planned: Planned, answer: Callable[[], Measured | Refused]) -> Outcome:
@@ -62,19 +104,23 @@ def outcome(planned: Planned, answer: Callable[[], Measured | Refused]) -> Outco
     seconds = time.perf_counter() - start
     if isinstance(found, Refused):
         return Outcome(planned, "refused", None, None, None, seconds, found.reason)
-    verdict = verdict_of(found.error, found.allowed, planned.posed)
+    # a condition may not be infinite where the problem is well-posed; that a standard error is unknown may be true
+    strict = planned.posed if found.condition is not None else "ill"
+    verdict = verdict_of(found.error, found.allowed, strict)
     return Outcome(planned, verdict, found.error, found.allowed, found.condition, seconds, found.note)
 
 
-def summary(rows: Iterable[Outcome]) -> dict[str, int]:
-    """Count the verdicts, and the well-posed rows that were refused."""
-    rows = list(rows)
+def summary(rows: Sequence[Outcome]) -> dict[str, int]:
+    """Count the verdicts, the well-posed rows that were refused, and answers of which no digit was stated."""
     counts = Counter(row.verdict for row in rows)
-    refused = sum(row.verdict == "refused" and row.planned.posed == "well" for row in rows)
     return {
         "rows": len(rows),
         "right": counts["right"],
         "refused": counts["refused"],
         "wrong": counts["wrong"],
-        "well-posed and refused": refused,
+        "refused though well-posed": sum(row.verdict == "refused" and row.planned.posed == "well" for row in rows),
+        "right without a digit stated": sum(
+            row.verdict == "right" and row.condition is not None and row.allowed is not None and row.allowed >= 1
+            for row in rows
+        ),
     }

@@ -80,6 +80,8 @@ def scaled_normals(
     """
     observations = np.asarray(observations, np.float64)
     weights = np.ones_like(observations) if weights is None else np.asarray(weights, np.float64)
+    unit = 2.0 ** np.floor(np.log2(np.abs(lights).max() or 1.0))  # sixth powers of it stay numbers, and no bit changes
+    lights = lights / unit
     products = lights[:, _ROWS] * lights[:, _COLUMNS]
     xx, xy, xz, yy, yz, zz = products.T @ weights
     right = lights.T @ (weights * observations)
@@ -97,7 +99,7 @@ def scaled_normals(
         ],
         axis=1,
     )
-    scaled *= inverse[:, None]
+    scaled *= inverse[:, None] / unit
     brightness = np.sqrt(products[:, [0, 3, 5]].sum() / len(lights))
     gain = np.where(regular, np.sqrt(np.maximum(diagonal.sum(axis=0) * inverse, 0.0)) * brightness, np.inf)
     return scaled, gain

@@ -19,6 +19,7 @@ ROUNDS = 30
 SETTLED = 1e-5  # of the lights, by which they still change
 SAMPLE = 12_000  # pixels that tell the lights: more change nothing that their noise would show
 LEAST_THIRD = 0.05  # the same, of what the factors explain: lamps within 12 degrees, or nearly in a plane, are below
+UNRESOLVED = 1e-12  # of the largest eigenvalue of a lamp's equations: the smaller ones are rounding
 LEAST_SHARE = 1e-4  # the third singular value over the first: below, the photographs tell of fewer directions
 
 _ROWS, _COLUMNS = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
@@ -158,9 +159,8 @@ def lights_of(observations: Floats, scaled: Floats, weights: Floats) -> Doubles:
     products = scaled[:, _ROWS] * scaled[:, _COLUMNS]
     matrices = (weights @ products)[:, _SQUARE].reshape(-1, 3, 3)
     right = (weights * observations) @ scaled
-    size = np.trace(matrices, axis1=1, axis2=2)
-    matrices += 1e-12 * np.maximum(size, 1e-300)[:, None, None] * np.eye(3)  # a lamp that reaches too few pixels
-    return np.asarray(np.linalg.solve(matrices, right[..., None])[..., 0])
+    # of a lamp that reaches too few pixels, the shortest vector that explains them
+    return np.asarray((np.linalg.pinv(matrices, rcond=UNRESOLVED, hermitian=True) @ right[..., None])[..., 0])
 
 
 def _start(observations: Floats) -> Doubles:

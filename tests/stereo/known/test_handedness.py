@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harmonicface.bench.hard_photographs import bumpy_ball, lamps, photographed
+from harmonicface.bench.stability.hard_photographs import bumpy_ball, lamps, photographed
 from harmonicface.datasets.yale_b import load_yale_b
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.known.handedness import check_axes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harmonicface.bench.hard_photographs import bumpy_ball, lamps
+from harmonicface.bench.stability.hard_photographs import bumpy_ball, lamps
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.stereo.known.known_lights import check_span, matte, solve, spread_of
 

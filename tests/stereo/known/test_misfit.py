@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harmonicface._validate import Floats
-from harmonicface.bench.hard_photographs import bumpy_ball, lamps
+from harmonicface.bench.stability.hard_photographs import bumpy_ball, lamps
 from harmonicface.stereo.in_blocks import Pixels
 from harmonicface.stereo.known.known_lights import plain, solve
 from harmonicface.stereo.known.misfit import model_misfit

@@ -1,21 +1,20 @@
-"""Hard cases for a Surface: what is done with each, and how far the result is from what it should be."""
+"""Rows of the stability table: surfaces from depth and meshes, their pictures, horizons and shadows."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.appearance.render import render
-from harmonicface.bench.hard_surfaces import ball, bumpy_mesh, nine_images
-from harmonicface.bench.measure import Record
+from harmonicface.bench.stability.hard_surfaces import ball, bumpy_mesh, nine_images
+from harmonicface.bench.stability.row import CONSTANT, Answers, Measured, Rows, named, rounded, unit
 from harmonicface.lighting.environment import EnvironmentMap
 from harmonicface.surfaces.depth import surface_from_depth
 from harmonicface.surfaces.horizon import horizons
@@ -23,35 +22,33 @@ from harmonicface.surfaces.mesh import surface_from_mesh
 from harmonicface.surfaces.surface import Surface
 from harmonicface.surfaces.transfer import transport
 
+Row: TypeAlias = tuple[tuple[str, str], Callable[[], Measured]]
+
 SIDE = 24
 ALBEDO = 0.7
 LIGHT = np.array([0.6, 0.0, 0.8])
 
 
-def stability_records() -> list[Record]:
-    """Return one record a case: its error against a closed form, or against the same without the difficulty.
-
-    Errors are the largest difference over the largest value that is expected, unless the note says otherwise.
-
-    Examples
-    --------
-    >>> wall = stability_records()[0]
-    >>> wall.name, wall.error < 1e-12
-    ('all normals equal (a wall): harmonic images', True)
-    """
+def of_surfaces() -> Answers:
+    """Return a function for each row; errors are of a closed form, or of the same without the difficulty."""
     cases = (_wall, _few_pixels, _black, _grazing, _spike, _steps_and_holes, _units, _bright_lamp, _single)
-    return [record for case in cases for record in case()]
+    rows: Answers = {}
+    for case in cases:
+        rows.update(case())
+    return {**rows, **named("horizons", _of_horizons())}
 
 
-def _record(name: str, size: str, made: Callable[[], Any], expected: Any, note: str) -> Record:
-    """Time one call and compare it."""
-    start = time.perf_counter()
-    found = np.asarray(made())
-    seconds = time.perf_counter() - start
-    right = np.asarray(expected)
-    return Record(
-        name, size, seconds, float(np.abs(found - right).max() / np.abs(right).max()), found.nbytes, note=note
-    )
+def _row(
+    name: str,
+    made: Callable[[], Any],
+    expected: Any,
+    note: str,
+    dtype: DTypeLike = np.float64,
+    condition: float = 1.0,
+) -> Row:
+    """Return one row by its case and solver."""
+    case, solver = name.rsplit(": ", 1)
+    return (solver, case), lambda: rounded(made(), expected, condition, dtype, note)
 
 
 def _transport(surface: Surface) -> Floats:
@@ -63,20 +60,20 @@ def _flat(shape: tuple[int, int] = (SIDE, SIDE), mask: NDArray[np.bool_] | None 
     return Surface(normals, np.full(shape, ALBEDO), mask, np.zeros(shape))
 
 
-def _wall() -> Iterator[Record]:
-    wall, size = _flat(), f"{SIDE} x {SIDE}"
+def _wall() -> Iterator[Row]:
+    wall = _flat()
     name = "all normals equal (a wall)"
     expected = nine_images(wall.pixel_normals, ALBEDO)
-    yield _record(f"{name}: harmonic images", size, lambda: harmonic_images(wall), expected, "nine multiples of one")
+    yield _row(f"{name}: harmonic images", lambda: harmonic_images(wall), expected, "nine multiples of one")
     note = "nothing stands above the wall: the closed form without shadows"
-    yield _record(f"{name}: transport", size, partial(_transport, wall), expected / ALBEDO, note)
+    yield _row(f"{name}: transport", partial(_transport, wall), expected / ALBEDO, note)
     lit = np.full(wall.shape, ALBEDO * LIGHT[2])
-    yield _record(f"{name}: render", size, lambda: render(wall, LIGHT, shadows=True), lit, "albedo times the cosine")
+    yield _row(f"{name}: render", lambda: render(wall, LIGHT, shadows=True), lit, "albedo times the cosine")
 
 
-def _few_pixels() -> Iterator[Record]:
-    name = "a mask of 9 pixels or fewer"
+def _few_pixels() -> Iterator[Row]:
     for count in (9, 1):
+        name = f"a mask of 9 pixels or fewer ({count})"
         mask = np.zeros((5, 5), dtype=bool)
         mask[1:4, 1:4] = True
         if count == 1:
@@ -86,14 +83,14 @@ def _few_pixels() -> Iterator[Record]:
         small = Surface(normals, np.full((5, 5), ALBEDO), mask)
         expected = nine_images(small.pixel_normals, ALBEDO)
         note = "fewer pixels than images: computed all the same, a basis of them has at most as many rows"
-        yield _record(f"{name}: harmonic images", str(count), partial(harmonic_images, small), expected, note)
+        yield _row(f"{name}: harmonic images", partial(harmonic_images, small), expected, note)
         flat = _flat((5, 5), mask)
         expected = nine_images(flat.pixel_normals)
         note = "outside the mask nothing blocks"
-        yield _record(f"{name}: transport", str(count), partial(_transport, flat), expected, note)
+        yield _row(f"{name}: transport", partial(_transport, flat), expected, note)
 
 
-def _black() -> Iterator[Record]:
+def _black() -> Iterator[Row]:
     normals, inside = ball(SIDE)
     albedo = np.full(inside.shape, ALBEDO)
     albedo[::2] = 0
@@ -101,34 +98,33 @@ def _black() -> Iterator[Record]:
     expected = nine_images(surface.pixel_normals, surface.pixel_albedo)
     note = "exactly 0 where the albedo is, nothing is divided by it"
     name = "albedo zero in places: harmonic images"
-    yield _record(name, f"{inside.sum()} pixels", lambda: harmonic_images(surface), expected, note)
+    yield _row(name, lambda: harmonic_images(surface), expected, note)
 
 
-def _grazing() -> Iterator[Record]:
+def _grazing() -> Iterator[Row]:
     heights = np.repeat([0.0, 1e-12, 1e-6, 1e-3], SIDE)
     around = np.linspace(0, 2 * np.pi, len(heights), endpoint=False)
     flat = np.sqrt(1 - heights**2)
     normals = np.stack([flat * np.cos(around), flat * np.sin(around), heights], axis=1)[None]
     surface = Surface(normals, np.full(normals.shape[:2], ALBEDO))
-    name, size = "grazing normals (z from 0 to 1e-3)", f"{len(heights)} pixels"
+    name = "grazing normals (z from 0 to 1e-3)"
     expected = nine_images(normals[0], ALBEDO)
-    yield _record(f"{name}: harmonic images", size, lambda: harmonic_images(surface), expected, "as any other normal")
+    yield _row(f"{name}: harmonic images", lambda: harmonic_images(surface), expected, "as any other normal")
     along = np.array([0.0, 0.0, 1.0])
     note = "light along the line of sight: the cosine is z; error over the largest"
-    yield _record(f"{name}: render", size, lambda: render(surface, along), ALBEDO * heights[None], note)
+    yield _row(f"{name}: render", lambda: render(surface, along), ALBEDO * heights[None], note)
     steep = np.tile(1e4 * np.arange(float(SIDE)), (SIDE, 1))
     expected_normal = np.array([-1e4, 0, 1]) / np.hypot(1e4, 1)
     note = "a slope of 10000 a pixel; expected: the plane's normal"
-    yield _record(
+    yield _row(
         "grazing depth: normals",
-        f"{SIDE} x {SIDE}",
         lambda: surface_from_depth(steep).normals,
         np.broadcast_to(expected_normal, (SIDE, SIDE, 3)),
         note,
     )
 
 
-def _spike() -> Iterator[Record]:
+def _spike() -> Iterator[Row]:
     height = 50.0
     depth = np.zeros((SIDE, SIDE + 1))
     row, column = SIDE // 2, SIDE // 2
@@ -141,20 +137,19 @@ def _spike() -> Iterator[Record]:
         return np.asarray(found[row, column - beside])
 
     note = "kept; it hides the sky up to arctan(height / distance), exact at whole pixels"
-    yield _record("a spike one pixel wide: horizon", f"{height:.0f} pixels high", toward, expected, note)
+    yield _row("a spike one pixel wide: horizon", toward, expected, note)
     flat = np.broadcast_to([0.0, 0.0, 1.0], (SIDE, SIDE + 1, 3)).copy()
     flat[row, column] = 0
     note = "with steepest=80 it is left outside and its neighbours' normals stay those of the wall"
-    yield _record(
+    yield _row(
         "a spike one pixel wide: normals",
-        f"{height:.0f} pixels high",
         lambda: surface_from_depth(depth, steepest=80).normals,
         flat,
         note,
     )
 
 
-def _steps_and_holes() -> Iterator[Record]:
+def _steps_and_holes() -> Iterator[Row]:
     columns = np.tile(np.arange(float(SIDE)), (SIDE, 1))
     upper = columns >= SIDE // 2
     depth = np.where(upper, 10 + 0.5 * columns, -0.2 * columns)
@@ -169,9 +164,8 @@ def _steps_and_holes() -> Iterator[Record]:
     note = (
         f"one-sided at steps and holes; {share:.1%} of the measured pixels have a normal, the others are left outside"
     )
-    yield _record(
+    yield _row(
         "depth with steps and holes: normals",
-        f"{SIDE} x {SIDE}",
         lambda: surface_from_depth(depth, steepest=80).normals,
         exact,
         note,
@@ -179,16 +173,15 @@ def _steps_and_holes() -> Iterator[Record]:
     step = np.where(upper[:1], 10.0, 0.0)
     distance = SIDE // 2 - np.arange(SIDE // 2)
     note = "the step hides the sky up to arctan(height / distance)"
-    yield _record(
+    yield _row(
         "depth with steps: horizon",
-        f"{SIDE} pixels",
         lambda: horizons(step, None, 1.0, [0.0])[0][: SIDE // 2],
         np.arctan2(10.0, distance),
         note,
     )
 
 
-def _units() -> Iterator[Record]:
+def _units() -> Iterator[Row]:
     mesh = bumpy_mesh()
     seen = surface_from_mesh(mesh, 32)
     expected = {shadows: harmonic_images(seen, 2, shadows=shadows) for shadows in (False, True)}
@@ -201,10 +194,11 @@ def _units() -> Iterator[Record]:
             note = f"the same {surface.mask.sum()} pixels: {same}; expected: the mesh as it was"
             name = f"{what}: harmonic images" + " with shadows" * shadows
             made = partial(harmonic_images, surface, 2, shadows=shadows)
-            yield _record(name, "32 x 32", made, right, note)
+            # the mesh is float32; what its units or its place add to the roundings is the ratio of place to size
+            yield _row(name, made, right, note, np.float32)
 
 
-def _bright_lamp() -> Iterator[Record]:
+def _bright_lamp() -> Iterator[Row]:
     height, width = 32, 64
     radiance = np.ones((height, width))
     radiance[8, 40] = 1e6
@@ -232,20 +226,51 @@ def _bright_lamp() -> Iterator[Record]:
             f"exact sum; expected: by every lamp in float64. By order 2 the darkest pixel is {low:.3f} of the largest"
         )
         name = f"1e6 : 1 dynamic range, {np.dtype(dtype).name}: render"
-        yield _record(name, f"{height} x {width} map", partial(render, surface, light), expected, note)
+        yield _row(name, partial(render, surface, light), expected, note, dtype)
 
 
-def _single() -> Iterator[Record]:
+def _single() -> Iterator[Row]:
     normals, inside = ball(SIDE)
     heights = np.where(inside, SIDE / 2 * normals[..., 2], np.nan)
     double = Surface(normals, np.full(inside.shape, ALBEDO), inside, heights)
     single = Surface(
         normals.astype(np.float32), np.full(inside.shape, ALBEDO, np.float32), inside, heights.astype(np.float32)
     )
-    size = f"{inside.sum()} pixels"
     name = "float32 against float64"
-    yield _record(f"{name}: harmonic images", size, lambda: harmonic_images(single), harmonic_images(double), "order 2")
+    yield _row(
+        f"{name}: harmonic images", lambda: harmonic_images(single), harmonic_images(double), "order 2", np.float32
+    )
     expected = render(double, LIGHT)
-    yield _record(f"{name}: render", size, lambda: render(single, LIGHT), expected, "one direction")
+    yield _row(f"{name}: render", lambda: render(single, LIGHT), expected, "one direction", np.float32)
     right = transport(double, 4).values
-    yield _record(f"{name}: transport", size, lambda: transport(single, 4).values, right, "order 4, depth of a ball")
+    yield _row(f"{name}: transport", lambda: transport(single, 4).values, right, "order 4, depth of a ball", np.float32)
+
+
+def _of_horizons() -> Rows:
+    """Return horizons before a step at which arithmetic is tried."""
+    rows: Rows = {}
+    for factor in (1e-12, 1e12, 1e-100, 1e100):
+        rows[f"a step times {factor:.0e}"] = partial(_before_a_step, factor, factor)
+    rows["a step upon a height of 1e+08"] = partial(_before_a_step, ground=1e8)
+    for height in (1e-12, 1e12):
+        rows[f"a step of {height:.0e} pixels"] = partial(_before_a_step, height)
+    rows["a step of 1e-310 (subnormal)"] = partial(_before_a_step, 1e-310, 1e-310)
+    rows["one pixel"] = lambda: rounded(horizons(np.ones((1, 1)), None, 1.0, [0.0]), [[-np.pi / 2]])
+    rows["an empty mask"] = partial(_before_a_step, mask=np.zeros((1, SIDE), bool))
+    rows["infinite depth in the mask"] = partial(_before_a_step, np.inf)
+    return rows
+
+
+def _before_a_step(
+    height: float = 1.0, size: float = 1.0, ground: float = 0.0, mask: NDArray[np.bool_] | None = None
+) -> Measured:
+    """Compare the horizons before a step with arctan(height / distance); a high ground takes digits from both."""
+    depth = np.where(np.arange(SIDE)[None] >= SIDE // 2, ground + height, ground)
+    distance = size * (SIDE // 2 - np.arange(SIDE // 2)).astype(np.longdouble)
+    found = horizons(depth, mask, size, [0.0])[0, : SIDE // 2]
+    right = np.arctan2(np.longdouble(height), distance)
+    condition = max(1.0, ground / height)
+    least = rounded(found, right, condition)
+    if height >= 1e-300:
+        return least
+    return Measured(least.error, CONSTANT * condition * unit(height), condition, "heights are subnormal")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, shift
 
 from harmonicface._validate import Floats
-from harmonicface.bench.hard_surfaces import nine_images
+from harmonicface.bench.stability.hard_surfaces import nine_images
 
 SIDE = 40
 COUNT = 20
