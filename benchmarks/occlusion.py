@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,6 +25,7 @@ from harmonicface.bench.contenders import Contender, Person
 from harmonicface.bench.measure import Record
 from harmonicface.bench.occlusion import Picture, behind_block, behind_glasses
 from harmonicface.bench.ordeals import YALE_EYES
+from harmonicface.bench.peers import stopwatch_of
 from harmonicface.bench.table import WRONG
 from harmonicface.bench.timing import Stopwatch, record
 from harmonicface.bench.yale_b import learned
@@ -38,7 +38,6 @@ from harmonicface.people.synthetic import synthetic_people
 DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "shared" / "data")) / "yaleb"
 METHODS = ("default", "harmonic9", "lbph", "tan_triggs")
 OURS, PEER = "default", "lbph"
-CALLED = {OURS: (Gallery.match,), PEER: (cv2.face.FaceRecognizer.predict,)}  # by the methods that are named in a row
 SYNTHETIC_EYES = (0.24, 0.28, 0.71)
 UNSEEN = 6  # people from this number on had no say in any setting
 SHARES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
@@ -77,7 +76,7 @@ def asked(
         photos = [np.clip(hide(one.photo, seed), 0, 1) for seed, one in enumerate(questions)]
         wrong, timings = {}, {}
         for method, contender in methods.items():
-            watch = Stopwatch(*CALLED.get(method, ()), about=method)
+            watch = stopwatch_of(method, contender)
             missed = [
                 watch.run(partial(contender.nearest, photo)) != one.index
                 for one, photo in zip(questions, photos, strict=True)

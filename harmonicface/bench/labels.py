@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +19,9 @@ DISTANCES = (1.0, 2.6, 4.5, 7.0)  # in gaps: the nearest place is taken that is 
 LEADER = 2.0  # gaps beyond which a line leads to the mark
 
 
-def place_labels(axis: Axes, labels: Sequence[Label], size: float = 8.5) -> None:
+def place_labels(
+    axis: Axes, labels: Sequence[Label], line: Sequence[tuple[float, float]] = (), size: float = 8.5
+) -> None:
     """Write each label at the nearest free place to its point; the first ones choose first.
 
     A label that finds none is left out: the number of its row is not worth an unreadable name.
@@ -29,12 +32,18 @@ def place_labels(axis: Axes, labels: Sequence[Label], size: float = 8.5) -> None
         Drawn already, so that its points are where they stay.
     labels
         Points in data coordinates, texts, and whether they stand out.
+    line
+        Corners, in data coordinates, of a line that no label shall cover; its pieces go across or up.
     size
         Of the type.
     """
     scale = axis.figure.dpi / 72
     marks = axis.transData.transform([(across, up) for across, up, _, _ in labels]) if labels else np.empty((0, 2))
     taken = [_box(x - MARK * scale, y, 2 * MARK * scale, 2 * MARK * scale) for x, y in marks]
+    corners = axis.transData.transform(line) if len(line) else np.empty((0, 2))
+    for one, other in pairwise(corners):
+        low, high = np.minimum(one, other) - 1, np.maximum(one, other) + 1
+        taken.append(Bbox.from_extents(*low, *high))
     inside = axis.get_window_extent()
     inside = Bbox.from_extents(inside.x0, inside.y0, axis.figure.bbox.x1 - 4, inside.y1)
     for mark, (across, up, text, strong) in zip(marks, labels, strict=True):

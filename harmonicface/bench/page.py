@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from string import Template
@@ -56,11 +57,17 @@ def table(heads: list[str], rows: list[list[str]], strong: str = "", texts: Sequ
     head = "".join(f"<th{kind}>{html.escape(text)}</th>" for kind, text in zip(kinds, heads, strict=True))
     body = "".join(
         f"<tr{' class=ours' if row[0] == strong else ''}>"
-        + "".join(f"<td{kind}>{html.escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True))
+        + "".join(f"<td{kind}>{_cell(cell, bool(kind))}</td>" for kind, cell in zip(kinds, row, strict=True))
         + "</tr>"
         for row in rows
     )
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(text: str, broken: bool) -> str:
+    """Return plain text as HTML; the names of functions in it may be broken behind their dots."""
+    escaped = html.escape(text)
+    return re.sub(r"(?<=\w)\.(?=[A-Za-z_])", ".<wbr>", escaped) if broken else escaped
 
 
 def definitions(entries: dict[str, str]) -> str:

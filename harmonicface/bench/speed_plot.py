@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -58,16 +60,31 @@ def points_of(records: Sequence[Record]) -> dict[tuple[str, str], list[Point]]:
     >>> [(point.name, point.ours) for point in points_of([beside])["", "% wrong"]]
     [('match', True), ('numpy.dot', False)]
     """
-    found: dict[tuple[str, str], dict[tuple[str, float], Point]] = {}
+    found: dict[tuple[str, str], dict[object, Point]] = {}
+    often = Counter((record.question, record.unit, record.name) for record in records)
     for number, record in enumerate(records, start=1):
         group = found.setdefault((record.question, record.unit), {})
         if record.error is not None and np.isfinite(record.error) and record.seconds > 0:
             name = record.name.removeprefix(record.question).lstrip(",: ") or record.name
-            group[name, record.seconds] = Point(name, record.seconds, abs(record.error), True, number)
+            if often[record.question, record.unit, record.name] > 1:
+                name = f"{name}, {record.size}"
+            group[number] = Point(name, record.seconds, abs(record.error), True, number)
         if record.peer and record.peer_seconds and record.peer_error is not None and np.isfinite(record.peer_error):
-            point = Point(record.peer, record.peer_seconds, abs(record.peer_error), False, number)
+            point = Point(short(record.peer), record.peer_seconds, abs(record.peer_error), False, number)
             group.setdefault((record.peer, record.peer_seconds), point)
     return {which: list(group.values()) for which, group in found.items() if len(group) > 1}
+
+
+def short(name: str) -> str:
+    """Return the name of a function without most of the modules that it is in.
+
+    Examples
+    --------
+    >>> short("scipy.optimize.nnls, on all pixels"), short("harmonicface.reflectance.brdf.Phong.__call__")
+    ('optimize.nnls, on all pixels', 'Phong.__call__')
+    """
+    function, comma, about = name.partition(",")
+    return ".".join(function.split(".")[-2:]) + comma + about
 
 
 def pareto_front(points: Sequence[Point]) -> list[Point]:
@@ -127,8 +144,15 @@ def speed_error_picture(points: Sequence[Point], unit: str = "", time: str = "ti
         for point in sorted(points, key=lambda one: one not in front)
         if point in named or (point.number and len(points) <= ALL_NUMBERED)
     ]
-    place_labels(axis, labels)
+    steps = [corner for one, two in pairwise(front) for corner in _step(one, two, floor)]
+    place_labels(axis, labels, steps)
     return png(figure)
+
+
+def _step(one: Point, other: Point, floor: float) -> list[tuple[float, float]]:
+    """Return the corners of a step of the front."""
+    high, low = one.error or floor, other.error or floor
+    return [(one.seconds, high), (other.seconds, high), (other.seconds, low)]
 
 
 def _axes(axis: Axes, points: Sequence[Point]) -> float:
