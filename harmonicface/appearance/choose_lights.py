@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from harmonicface._validate import Floats
 from harmonicface.appearance.choose_images import FARTHEST
 from harmonicface.appearance.principal_lights import HIGHEST_ORDER, Lights, LightStatistics
 from harmonicface.harmonics.indexing import count, degrees
@@ -38,7 +39,7 @@ def light_power(lights: Lights, statistics: LightStatistics) -> Array:
     return np.concatenate([known, np.exp(start + min(slope, 0.0) * np.log(beyond))])
 
 
-def _grey(coefficients: Array) -> Array:
+def _grey(coefficients: Floats) -> Array:
     """Return coefficients (k,) of grey light, in float64."""
     grey = luminance(coefficients) if coefficients.ndim == 2 else coefficients
     return np.asarray(grey, np.float64)

@@ -27,7 +27,17 @@ PEOPLE = [
 
 def test_the_names() -> None:
     photographs = ("correlation", "eigenfaces", "eigenfaces_minus3", "fisherfaces", "lbph")
-    assert list(METHODS) == [*photographs, "linear3", "ambient4", "harmonic9", "pca3", "pca5", "pca_auto", "default"]
+    assert list(METHODS) == [
+        *photographs,
+        "linear3",
+        "ambient4",
+        "harmonic9",
+        "pca3",
+        "pca5",
+        "pca_auto",
+        "auto",
+        "default",
+    ]
     assert [*METHODS, "harmonic_shadowed", "harmonic_shadowed_fixed"] == list(EVERY_METHOD)
 
 
@@ -48,7 +58,7 @@ def test_methods_that_learn_from_photographs(name: str, kind: type, dropped: int
     assert getattr(made._baseline, "_drop_first", None) == dropped
 
 
-@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9", "pca3", "pca5", "pca_auto", "default"])
+@pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9", "pca3", "pca5", "pca_auto", "auto", "default"])
 def test_methods_that_know_the_surface(name: str) -> None:
     made = contender(name)
     assert isinstance(made, GalleryContender)

@@ -380,8 +380,8 @@ def test_unknown_names(gallery: hf.Gallery) -> None:
     [
         (
             {"model": "magic"},
-            "model: expected one of default, linear3, ambient4, harmonic9, pca3, pca5, pca_auto, harmonic_shadowed,"
-            " nine_points_simulated, got 'magic'",
+            "model: expected one of default, linear3, ambient4, harmonic9, pca3, pca5, pca_auto, auto,"
+            " harmonic_shadowed, nine_points_simulated, got 'magic'",
         ),
         ({"model": "harmonic9", "threshold": -0.1}, "threshold: expected a number from 0 to 1, got -0.1"),
         ({"model": "harmonic9", "threshold": "high"}, "threshold: expected a number from 0 to 1, got str 'high'"),
