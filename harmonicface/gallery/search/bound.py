@@ -29,6 +29,8 @@ when photographs are compared (`whole_doubt`).
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,12 +77,19 @@ def quadratic(folded: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the numbers whose product with `features` is |N a|^2: (m (m + 1) / 2,) from N, (r, m)."""
     gram = 2 * (folded.T @ folded)
     gram[np.diag_indices(len(gram))] /= 2
-    return np.asarray(gram[np.triu_indices(len(gram))])
+    return np.asarray(gram[_pairs(len(gram))])
+
+
+@cache
+def _pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return all k <= l below a number."""
+    first, second = np.triu_indices(count)
+    return first, second
 
 
 def features(coordinates: NDArray[np.float32], left: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return a_k a_l for k <= l, then rho^2 and 1: (m (m + 1) / 2 + 2, q) from (m, q) and (q,)."""
-    first, second = np.triu_indices(len(coordinates))
+    first, second = _pairs(len(coordinates))
     products = coordinates[first] * coordinates[second]
     return np.concatenate([products, left[None], np.ones((1, len(left)), np.float32)])
 

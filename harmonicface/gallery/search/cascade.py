@@ -183,11 +183,23 @@ def _foresee(
     coordinates, left = question.coordinates(stop), question.left(stop)
     ahead = []
     for company, bounds in zip(companies, everybody, strict=True):
-        count = min(FORESEEN + 4 * top, len(bounds))
-        likely = [np.argpartition(one, -count)[-count:] for one in np.ascontiguousarray(bounds.T)]
-        chosen = np.unique(np.concatenate(likely))
+        chosen = np.unique(_likely(bounds, FORESEEN + 4 * top))
         ahead.append((company.people[chosen], company.bounds(0, chosen, coordinates, left)))
     _measure_likeliest(ahead, limits, top)
+
+
+def _likely(bounds: Array, count: int) -> Indices:
+    """Return about as many people with high bounds for each photograph, each the highest of her neighbours."""
+    people, asked = bounds.shape
+    neighbours = max(1, people // (4 * count))
+    if neighbours == 1:
+        count = min(count, people)
+        return np.concatenate([np.argpartition(one, -count)[-count:] for one in np.ascontiguousarray(bounds.T)])
+    groups = bounds[: people // neighbours * neighbours].reshape(-1, neighbours, asked)
+    highest = np.ascontiguousarray(groups.max(axis=1).T)
+    chosen = np.argpartition(highest, -count, axis=1)[:, -count:]
+    inside = groups[chosen, :, np.arange(asked)[:, None]].argmax(axis=2)
+    return np.asarray(chosen * neighbours + inside).reshape(-1)
 
 
 def _measure_likeliest(some: Sequence[tuple[Indices, Array]], limits: Sequence[Limit], top: int) -> None:
@@ -204,14 +216,18 @@ def _examine(suspects: Sequence[Suspects], limits: Sequence[Limit], pixels: Pixe
     """Look at the pixels of those who are left, the likeliest first, each once for all photographs."""
     people = np.concatenate([some.company.people[some.chosen] for some in suspects])
     bounds = np.concatenate([np.where(some.kept, some.bounds, -np.inf) for some in suspects])
-    single, needed = np.ascontiguousarray(units.T, np.float32), _needed(limits)
-    for index in np.argsort(-bounds.max(axis=1), kind="stable"):
+    single, needed = units.astype(np.float32), _needed(limits)
+    best = bounds.max(axis=1)
+    for index in np.argsort(-best, kind="stable").tolist():
+        if best[index] < needed.min():
+            break
         person = int(people[index])
         reaching = np.flatnonzero(bounds[index] >= needed).tolist()
         asked = [number for number in reaching if person not in limits[number].measured]
         if not asked:
             continue
-        for number, reached in zip(asked, pixels.closeness(person, single[:, asked]), strict=True):
+        seen = pixels.closeness(person, single if len(asked) == len(single) else single[asked])
+        for number, reached in zip(asked, seen.tolist(), strict=True):
             if reached >= limits[number].closeness:
                 limits[number].measure(person)
                 needed[number] = _needed(limits[number : number + 1])[0]

@@ -69,25 +69,30 @@ class Company:
         """
         asked, found = coordinates.shape[1], np.empty((len(chosen), coordinates.shape[1]), np.float32)
         step = max(1, BLOCK // (self.rank * (len(coordinates) + asked)))
+        copied = np.empty((min(step, len(chosen)), *self.numbers[stage].shape[1:]), np.float32)
         for start in range(0, len(chosen), step):
             some = chosen[start : start + step]
-            found[start : start + step] = self._squares(self.numbers[stage], some, coordinates)
+            found[start : start + step] = self._squares(self.numbers[stage], some, coordinates, copied)
         rest = self.levels[chosen, stage, None] * left
         rest += self.doubts[chosen, stage, None]
         found += rest
         return found
 
-    def _squares(self, numbers: Array | Gathered, some: Indices, coordinates: Array) -> Array:
+    def _squares(self, numbers: Array | Gathered, some: Indices, coordinates: Array, copied: Array) -> Array:
         """Return |N a|^2 of some people; where most of their neighbours are asked too, nothing is copied."""
         first, behind = int(some[0]), int(some[-1]) + 1
         together = behind - first < 2 * len(some)
-        taken = numbers[first:behind] if together else numbers[some]
-        products = taken.reshape(-1, taken.shape[2]) @ coordinates
-        if coordinates.shape[1] == 1:
-            flat = products.reshape(len(taken), self.rank)
-            squares = np.einsum("nr,nr->n", flat, flat)[:, None]
+        if together:
+            taken = numbers[first:behind]
+        elif isinstance(numbers, np.ndarray):
+            # where it was before: fresh memory would cost more than the copy
+            taken = np.take(numbers, some, axis=0, out=copied[: len(some)], mode="clip")
         else:
-            products = products.reshape(len(taken), self.rank, -1)
+            taken = numbers[some]
+        products = (taken.reshape(-1, taken.shape[2]) @ coordinates).reshape(len(taken), self.rank, -1)
+        if products.shape[2] == 1:
+            squares = np.einsum("nr,nr->n", products[:, :, 0], products[:, :, 0])[:, None]
+        else:
             squares = np.einsum("nrq,nrq->nq", products, products)
         return np.asarray(squares[some - first] if together and len(squares) > len(some) else squares)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,18 +34,21 @@ class Pixels:
     size: int
 
     def closeness(self, person: int, units: NDArray[np.float32]) -> NDArray[np.float64]:
-        r"""Return upper bounds of |Q y|^2 of a person for unit photographs, (q,) from (p, q), by one product.
+        r"""Return upper bounds of |Q y|^2 of a person for unit photographs, (q,) from (q, p), by one product.
 
         A product of float32 numbers errs by at most gamma_{p+2} |q_k| |y| in each row. Stored rows with
         |Q Q^T - I| <= d make |Q y| at least \sqrt{1 - d} times as long as with orthonormal rows.
         """
         rows = np.asarray(self.rows(person), np.float32)
+        products = (units @ rows.T).astype(np.float64)
+        lengths = np.sqrt(np.einsum("qr,qr->q", products, products)) + 1.01 * self._rounding * math.sqrt(len(rows))
+        return np.asarray(np.square(lengths) * ((1 + 1e-12) / (1 - float(self.defects[person]))))
+
+    @cached_property
+    def _rounding(self) -> float:
+        """What a float32 product of unit photographs with unit rows loses."""
         operations = (self.size + 2) * SINGLE
-        rounding = operations / (1 - operations) if operations < 1 else np.inf  # of a picture of 16 million pixels
-        defect = float(self.defects[person])
-        products = (rows @ units).astype(np.float64)
-        lengths = np.sqrt(np.square(products).sum(axis=0)) + 1.01 * rounding * np.sqrt(len(rows))
-        return np.asarray(np.square(lengths) / (1 - defect) * (1 + 1e-12))
+        return operations / (1 - operations) if operations < 1 else math.inf  # of a picture of 16 million pixels
 
     def distance(self, person: int, unit: NDArray[np.float64]) -> float:
         """Return the exact distance of a person, as a scan of everybody computes it."""

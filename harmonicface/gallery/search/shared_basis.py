@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 from sklearn.utils.extmath import randomized_svd
 
@@ -14,6 +15,7 @@ from harmonicface.errors import HarmonicFaceError
 
 ORTHONORMAL = 1e-7  # how far the rows may be from it; what is left is part of every bound
 UNIT_ROUNDING = 2.0**-53
+TOGETHER = 4096  # rows whose products are summed in their own precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +49,9 @@ class SharedBasis:
 
         The m rows U minimize \sum_k w_k |q_k - U^T U q_k|^2: the principal directions of the weighted rows, not
         centred. With w_k the energy that photographs have along q_k, that is the energy which U leaves over of
-        photographs. Found by a randomized factorization (Halko, Martinsson and Tropp 2011); any other orthonormal rows
-        would give right answers too, only later.
+        photographs. Found from the products of all pixels with each other if there are fewer pixels than rows, else
+        by a randomized factorization (Halko, Martinsson and Tropp 2011); any other orthonormal rows would give right
+        answers too, only later.
 
         Parameters
         ----------
@@ -82,9 +85,11 @@ class SharedBasis:
         count = min(_validate.at_least(m, 1, "m"), *sample.shape)
         scales = np.sqrt(energies / energies.max()).astype(sample.dtype)
         first = _validate.at_least(seed, 0, "seed")
-        _, values, directions = randomized_svd(
-            sample * scales[:, None], count, n_oversamples=16, n_iter=2, random_state=first
-        )
+        weighted = sample * scales[:, None]
+        if len(weighted) > weighted.shape[1]:
+            values, directions = _principal(weighted, count)
+        else:
+            _, values, directions = randomized_svd(weighted, count, n_oversamples=16, n_iter=2, random_state=first)
         kept = directions[values > values[0] * np.finfo(sample.dtype).eps]
         orthonormal, triangle = np.linalg.qr(kept.T.astype(np.float64))
         return cls(np.ascontiguousarray((orthonormal * np.where(np.diag(triangle) < 0, -1.0, 1.0)).T))
@@ -106,6 +111,18 @@ class SharedBasis:
         """
         count, pixels = self.rows.shape
         return float(self.defect + 4 * (count**0.5 + 1) * (pixels + count) * UNIT_ROUNDING)
+
+
+def _principal(rows: NDArray[np.floating], count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the largest singular values of rows, falling, and their directions, by the products of the columns."""
+    pixels = rows.shape[1]
+    gram = np.zeros((pixels, pixels))
+    for start in range(0, len(rows), TOGETHER):
+        block = rows[start : start + TOGETHER]
+        gram += block.T @ block
+    squares, directions = scipy.linalg.eigh(gram, subset_by_index=(pixels - count, pixels - 1), overwrite_a=True)
+    squares[squares < squares[-1] * 16 * np.finfo(rows.dtype).eps] = 0  # rounding, where the rows span less
+    return np.sqrt(squares[::-1]), directions.T[::-1]
 
 
 class Question:

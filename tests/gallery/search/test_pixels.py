@@ -19,7 +19,7 @@ def test_closeness_is_never_below_the_projection(error: float) -> None:
     defect = float(np.linalg.norm(rows.astype(np.float64) @ rows.T.astype(np.float64) - np.eye(6)))
     units = np.concatenate([rng.normal(size=(80, 9)), exact.T], axis=1)
     units /= np.linalg.norm(units, axis=0)
-    found = Pixels(lambda who: rows, np.array([defect]), 80).closeness(0, units.astype(np.float32))
+    found = Pixels(lambda who: rows, np.array([defect]), 80).closeness(0, np.ascontiguousarray(units.T, np.float32))
     projected = np.square(orthonormal @ units).sum(axis=0)
     assert (found >= projected).all()
     assert_allclose(found, projected, atol=1e-4 + 4 * defect)

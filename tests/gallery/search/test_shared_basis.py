@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest.mock import patch
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -24,6 +26,16 @@ def test_the_energy_left_over_is_the_least_possible() -> None:
 def test_fewer_rows_where_the_sample_spans_less() -> None:
     rows = np.random.default_rng(0).normal(size=(2, 30))
     assert SharedBasis.of(rows[[0, 1, 0, 1]], np.ones(4), 10).rows.shape == (2, 30)
+    assert SharedBasis.of(np.resize(rows, (40, 30)), np.ones(40), 10).rows.shape == (2, 30)
+
+
+def test_a_large_sample_gives_what_a_small_one_of_the_same_rows_gives() -> None:
+    rng = np.random.default_rng(2)
+    rows = (rng.normal(size=(20, 40)) @ np.diag(np.geomspace(1, 0.01, 40))).astype(np.float32)
+    few = SharedBasis.of(rows, np.ones(20), 6)
+    with patch("harmonicface.gallery.search.shared_basis.TOGETHER", 7):
+        many = SharedBasis.of(np.concatenate([rows, rows, rows]), np.ones(60), 6)
+    assert_allclose(many.rows.T @ many.rows, few.rows.T @ few.rows, atol=1e-4)
 
 
 def test_what_is_left_over_is_never_more_than_said() -> None:
