@@ -142,6 +142,8 @@ class Keeping(Rule, Roll):
             return cls._of_folder(staged(str(path)), client, str(path))
         if is_folder(path):
             return cls._of_folder(Path(path), client)
+        if not is_file(path):
+            raise HarmonicFaceError(f"expected a gallery at {path!s:.300}, got none")
         if client is not None:
             raise HarmonicFaceError(f"client: expected a gallery in a folder, got {path!s:.300}")
         return cls._of_file(path)

@@ -42,6 +42,7 @@ from harmonicface.gallery.shelf import Shelf
 from harmonicface.gallery.staging import refuse_writing
 from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
+from harmonicface.store.manifest import NAME as MANIFEST
 from harmonicface.store.part import Damage, Part
 from harmonicface.store.shard import Record
 from harmonicface.store.version import Version
@@ -103,6 +104,8 @@ class PeopleInFolder(People):
         HarmonicFaceError
             No gallery is there, or one that contradicts itself.
         """
+        if not (path / MANIFEST).exists():
+            raise HarmonicFaceError(f"expected a gallery at {path!s:.300}, got a folder that is none")
         folder = ArrayFolder(path)
         version = _version(folder)
         about = About.read(version, str(path))

@@ -2,28 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from harmonicface.gallery.enrolment import Enrolment
 from harmonicface.gallery.frame import Frame
+from harmonicface.gallery.people_in_memory import PeopleInMemory
 from harmonicface.gallery.ranking import ROUNDING, displaced_shortlist, rank, shortlist
-from harmonicface.gallery.rows import StackedRows
 from harmonicface.recognition.subspace import Subspace
 
 PIXELS = 30
 EVERYWHERE = np.ones(PIXELS, np.bool_)
+FRAME = Frame(EVERYWHERE.reshape(5, 6))
 
 
-def people(seed: int, count: int) -> tuple[StackedRows, list[np.ndarray]]:
+def enrolled(subspaces: Iterable[Subspace], frame: Frame = FRAME) -> PeopleInMemory:
+    found = PeopleInMemory()
+    found.add([(str(number), Enrolment(one, frame, "surface")) for number, one in enumerate(subspaces)])
+    return found
+
+
+def people(seed: int, count: int) -> tuple[PeopleInMemory, list[np.ndarray]]:
     rng = np.random.default_rng(seed)
     pictures = [rng.normal(size=(3, PIXELS)) for _ in range(count)]
-    rows = StackedRows(np.empty((0, PIXELS), np.float32))
-    for person in pictures:
-        rows.append(Subspace.of(person))
-    return rows, pictures
+    return enrolled(map(Subspace.of, pictures)), pictures
 
 
 def brute(pictures: list[np.ndarray], photo: np.ndarray, good: np.ndarray) -> list[tuple[float, int]]:
@@ -44,8 +51,8 @@ def test_the_first_are_the_first(seed: int, count: int, top: int, masked: bool) 
     photo = rng.normal(size=PIXELS)
     found = rank(rows, photo[good] / np.linalg.norm(photo[good]), good, top)
     expected = brute(pictures, photo, good)[:top]
-    assert [index for _, index in found] == [index for _, index in expected]
-    assert_allclose([distance for distance, _ in found], [distance for distance, _ in expected], rtol=0, atol=1e-5)
+    assert list(found.people) == [index for _, index in expected]
+    assert_allclose(found.distances, [distance for distance, _ in expected], rtol=0, atol=1e-5)
 
 
 def test_people_nearer_to_each_other_than_rounding_are_ordered_exactly() -> None:
@@ -56,22 +63,18 @@ def test_people_nearer_to_each_other_than_rounding_are_ordered_exactly() -> None
     aside -= (aside @ photo) * photo
     tilts = 1e-3 * (1 + np.arange(6) / 6)[::-1]  # squared, they differ by less than the rounding of the fast product
     assert np.ptp(tilts**2) < ROUNDING
-    rows = StackedRows(np.empty((0, PIXELS), np.float32))
-    for tilt in tilts:
-        rows.append(Subspace.of((photo + tilt * aside / np.linalg.norm(aside))[None]))
-    found = rank(rows, photo, EVERYWHERE, 2)
-    assert [index for _, index in found] == [5, 4]
-    assert_allclose([distance for distance, _ in found], np.sin(np.arctan(tilts[[5, 4]])), rtol=1e-3)
+    tilted = enrolled(Subspace.of((photo + tilt * aside / np.linalg.norm(aside))[None]) for tilt in tilts)
+    found = rank(tilted, photo, EVERYWHERE, 2)
+    assert found.people == (5, 4)
+    assert_allclose(found.distances, np.sin(np.arctan(tilts[[5, 4]])), rtol=1e-3)
 
 
 @pytest.mark.parametrize("top", [1, 2, 3, 4])
 def test_ties_keep_the_order_of_enrolment(top: int) -> None:
-    rows = StackedRows(np.empty((0, PIXELS), np.float32))
     same = Subspace.of(np.random.default_rng(1).normal(size=(3, PIXELS)))
-    for _ in range(4):
-        rows.append(same)
     photo = np.ones(PIXELS) / np.sqrt(PIXELS)
-    assert [index for _, index in rank(rows, photo, EVERYWHERE, top)] == list(range(top))
+    assert rank(enrolled([same] * 4), photo, EVERYWHERE, top).people == tuple(range(top))
+    assert shortlist(enrolled([same] * 4), photo, EVERYWHERE, top).people == tuple(range(top))
 
 
 @pytest.mark.parametrize("masked", [False, True])
@@ -81,23 +84,26 @@ def test_a_shortlist_holds_the_first(masked: bool) -> None:
     good = rng.permutation(PIXELS) < 20 if masked else EVERYWHERE
     photo = rng.normal(size=PIXELS)
     expected = sorted(index for _, index in brute(pictures, photo, good)[:5])
-    assert shortlist(rows, 1e-3 * photo[good], good, 5).tolist() == expected
+    found = shortlist(rows, photo[good] / np.linalg.norm(photo[good]), good, 5)
+    assert list(found.people) == expected
+    assert found.measured < 12
+    assert list(shortlist(rows, photo[good], good, 99).people) == list(range(12))
 
 
-def test_a_shortlist_of_a_dark_photograph_or_of_everybody() -> None:
-    rows, _ = people(5, 4)
-    assert shortlist(rows, np.zeros(PIXELS), EVERYWHERE, 3).tolist() == [0, 1, 2]
-    assert shortlist(rows, np.ones(PIXELS), EVERYWHERE, 9).tolist() == [0, 1, 2, 3]
+@pytest.mark.parametrize("distance", [0.0, 0.7, 0.9, 1.0])
+def test_everybody_within_a_distance(distance: float) -> None:
+    rows, pictures = people(6, 12)
+    photo = np.random.default_rng(7).normal(size=PIXELS)
+    found = rank(rows, photo / np.linalg.norm(photo), EVERYWHERE, None, distance)
+    assert list(found.people) == [who for far, who in brute(pictures, photo, EVERYWHERE) if far <= distance]
 
 
 @pytest.mark.parametrize(("right", "down"), [(0, 0), (2, 0), (-1, 2), (-2, -2)])
 def test_who_is_displaced_is_on_the_list_of_the_displaced(right: int, down: int) -> None:
     rng = np.random.default_rng(0)
     frame = Frame(rng.uniform(size=(24, 20)) > 0.1)
-    rows = StackedRows(np.empty((0, frame.pixels), np.float32))
     pictures = rng.normal(size=(40, 24, 20))
-    for picture in pictures:
-        rows.append(Subspace.of(picture[frame.mask][None]))
+    rows = enrolled([Subspace.of(picture[frame.mask][None]) for picture in pictures], frame)
     photo = np.roll(pictures[17], (down, right), axis=(0, 1))[frame.mask]
     good = rng.uniform(size=frame.pixels) > 0.1
     found = displaced_shortlist(rows, frame, photo, good, 3)

@@ -40,8 +40,8 @@ PHOTOS = np.random.default_rng(8).uniform(0, 1, (6, *SHAPE))
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    small_gallery().save(tmp_path / "people.gallery")
-    return tmp_path / "people.gallery"
+    small_gallery().save(tmp_path / "people.safetensors")
+    return tmp_path / "people.safetensors"
 
 
 def refused(path: Path) -> str:
@@ -71,8 +71,8 @@ def test_an_opened_gallery_answers_the_same_bit_for_bit(tmp_path: Path, model: s
     gallery = hf.Gallery(model)
     for seed in range(3):
         gallery.enroll(str(seed), surface(seed))
-    gallery.save(tmp_path / "people.gallery")
-    opened = hf.Gallery.open(tmp_path / "people.gallery")
+    gallery.save(tmp_path / "people.safetensors")
+    opened = hf.Gallery.open(tmp_path / "people.safetensors")
     assert opened.model == model
     same_answers(gallery, opened)
 
@@ -88,8 +88,8 @@ def test_everything_about_a_gallery_comes_back(path: Path) -> None:
 def test_an_infinite_margin_comes_back(tmp_path: Path) -> None:
     gallery = small_gallery()
     gallery.margin = np.inf
-    gallery.save(tmp_path / "people.gallery")
-    assert hf.Gallery.open(tmp_path / "people.gallery").margin == np.inf
+    gallery.save(tmp_path / "people.safetensors")
+    assert hf.Gallery.open(tmp_path / "people.safetensors").margin == np.inf
 
 
 def test_an_opened_gallery_can_grow_and_shrink_and_be_saved_in_its_place(path: Path) -> None:
@@ -119,15 +119,19 @@ def test_every_byte_of_the_header_and_bytes_of_the_data_are_watched(path: Path) 
 
 
 def test_no_gallery() -> None:
-    with pytest.raises(hf.HarmonicFaceError, match=r"expected a file at .*none\.gallery, got none"):
+    with pytest.raises(hf.HarmonicFaceError, match=r"expected a gallery at none\.gallery, got none"):
         hf.Gallery.open("none.gallery")
 
 
 def test_a_folder(tmp_path: Path) -> None:
-    assert refused(tmp_path).endswith("got a folder")
-    with pytest.raises(hf.HarmonicFaceError, match="cannot write"):
+    (tmp_path / "notes.txt").write_text("mine")
+    assert refused(tmp_path).endswith("got a folder that is none")
+    with pytest.raises(hf.HarmonicFaceError, match="cannot make the folder .*: Directory not empty"):
         small_gallery().save(tmp_path)
-    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(hf.HarmonicFaceError, match=r"save: expected a new path or a gallery's, got .*of another kind"):
+        small_gallery().save(tmp_path / "notes.txt")
+    assert [one.name for one in tmp_path.iterdir()] == ["notes.txt"]
+    assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
 def test_a_foreign_file_of_the_same_format(tmp_path: Path) -> None:
@@ -234,7 +238,7 @@ def test_parts_that_contradict_each_other(path: Path, change: Callable[[dict, di
 
 def test_nobody_is_nothing_to_save(tmp_path: Path) -> None:
     with pytest.raises(hf.HarmonicFaceError, match="save: expected a gallery with somebody in it, got an empty one"):
-        hf.Gallery().save(tmp_path / "people.gallery")
+        hf.Gallery().save(tmp_path / "people.safetensors")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -248,7 +252,7 @@ def test_a_save_that_fails_leaves_the_old_file_and_no_other(path: Path, monkeypa
     gallery = hf.Gallery.open(path)
     gallery.enroll("grace", surface(9))
     monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(hf.HarmonicFaceError, match=r"cannot write .*people\.gallery: .*No space left on device"):
+    with pytest.raises(hf.HarmonicFaceError, match=r"cannot write .*people\.safetensors: .*No space left on device"):
         gallery.save(path)
     assert path.read_bytes() == before
     assert list(path.parent.iterdir()) == [path]
@@ -284,12 +288,12 @@ def test_templates_that_do_not_fit(tmp_path: Path, change: Callable[[dict, dict,
     gallery = hf.Gallery()
     for index, person in enumerate(hf.synthetic_people(2, 24, seed=1)):
         gallery.enroll(str(index), person)
-    gallery.save(tmp_path / "people.gallery")
-    assert "expected a gallery that agrees with itself" in changed(tmp_path / "people.gallery", change)
+    gallery.save(tmp_path / "people.safetensors")
+    assert "expected a gallery that agrees with itself" in changed(tmp_path / "people.safetensors", change)
 
 
 def test_templates_of_an_older_version_are_refused(tmp_path: Path) -> None:
-    gallery, path = hf.Gallery(), tmp_path / "people.gallery"
+    gallery, path = hf.Gallery(), tmp_path / "people.safetensors"
     gallery.enroll("ada", hf.synthetic_person(1, 24))
     gallery.save(path)
 
