@@ -15,7 +15,7 @@ from harmonicface._validate import Floats
 from harmonicface.appearance._options import with_shadows
 from harmonicface.appearance.principal_components import PrincipalComponents
 from harmonicface.appearance.principal_lights import EXPECTED, NEGATIVE
-from harmonicface.appearance.principal_options import checked_count, kept_components, pixel_weights
+from harmonicface.appearance.principal_options import NO_DIFFERENCE, checked_count, kept_components, pixel_weights
 from harmonicface.appearance.render import render
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.grid import SphereGrid, sphere_grid
@@ -111,14 +111,16 @@ def empirical_pca(
     each = pixel_weights(surface, weights)
     rendered = _rendered(surface, sample, with_shadows(shadows, bounces), bounces)
     shares = sample.probabilities
+    eps = ROUNDINGS * float(np.finfo(rendered.dtype).eps)
     mean = (shares @ rendered) * bool(centered)
     rendered -= mean.astype(rendered.dtype)
     rendered *= np.sqrt(shares)[:, None].astype(rendered.dtype)
     if weights is not None:
         rendered *= np.sqrt(each).astype(rendered.dtype)
     total = float(np.einsum("np,np->", rendered, rendered, dtype=np.float64))
+    if total <= eps**2 * float(each @ mean**2):  # rounding alone
+        raise HarmonicFaceError(NO_DIFFERENCE)
     values, vectors = (_by_gram if method == "gram" else _by_svd)(rendered, wanted)
-    eps = ROUNDINGS * float(np.finfo(rendered.dtype).eps)
     kept = kept_components(values, total, wanted, eps if method == "gram" else len(values) * eps**2)
     combinations = vectors[:, :kept].T / np.sqrt(values[:kept, None])
     found = np.stack([_grey_coefficients(light, order) for light in sample.all()])

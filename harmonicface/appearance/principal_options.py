@@ -11,6 +11,8 @@ from harmonicface.surfaces.surface import Surface
 
 Array = NDArray[np.float64]
 
+NO_DIFFERENCE = "pictures: expected some that differ where pixels count, got none"
+
 
 def pixel_weights(surface: Surface, weights: ArrayLike | None) -> Array:
     """Return by how much each masked pixel counts, (p,).
@@ -69,7 +71,7 @@ def kept_components(values: Array, total: float, wanted: int | float, rounding: 
         No eigenvalue above 0, a share that all components together do not explain.
     """
     if not values[0] > 0:
-        raise HarmonicFaceError("weights: expected pictures with light where they count, got dark ones")
+        raise HarmonicFaceError(NO_DIFFERENCE)
     known = int((values > values[0] * rounding).sum())
     if isinstance(wanted, int):
         return min(wanted, known)

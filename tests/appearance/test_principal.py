@@ -239,7 +239,7 @@ def test_black_surfaces_and_dark_pixels_are_refused() -> None:
     half[:12] = 0
     upper = np.zeros(FACE.shape)
     upper[:12] = 1
-    with pytest.raises(HarmonicFaceError, match="weights: expected pictures with light where they count, got dark"):
+    with pytest.raises(HarmonicFaceError, match="pictures: expected some that differ where pixels count, got none"):
         analytic_pca(replace_albedo(FACE, half), weights=upper)
 
 
