@@ -27,7 +27,7 @@ def called_by(contender: Contender) -> tuple[Function, ...]:
     """
     if isinstance(contender, GalleryContender):
         return (Gallery.match,)
-    if isinstance(contender, PhotographContender) and isinstance(contender.baseline, OPENCV):
+    if isinstance(contender, PhotographContender) and type(contender.baseline) in OPENCV:
         return (cv2.face.FaceRecognizer.predict,)
     if isinstance(contender, ClassifierContender) and contender.kind is LocalBinaryPatterns:
         return (cv2.face.LBPHFaceRecognizer.getHistograms, additive_chi2_kernel)
