@@ -9,6 +9,7 @@ from harmonicface.bench.contenders import Contender, GalleryContender, Photograp
 from harmonicface.bench.timing import Function, Stopwatch
 from harmonicface.bench.yale_contenders import ClassifierContender
 from harmonicface.gallery.gallery import Gallery
+from harmonicface.recognition.baselines import Baseline
 from harmonicface.recognition.estimators.local_patterns import LocalBinaryPatterns
 from harmonicface.recognition.opencv import Eigenfaces, Fisherfaces
 from harmonicface.recognition.opencv import LocalBinaryPatterns as OpenCVPatterns
@@ -27,7 +28,7 @@ def called_by(contender: Contender) -> tuple[Function, ...]:
     """
     if isinstance(contender, GalleryContender):
         return (Gallery.match,)
-    if isinstance(contender, PhotographContender) and type(contender.baseline) in OPENCV:
+    if isinstance(contender, PhotographContender) and _asks_opencv(contender.baseline):
         return (cv2.face.FaceRecognizer.predict,)
     if isinstance(contender, ClassifierContender) and contender.kind is LocalBinaryPatterns:
         return (cv2.face.LBPHFaceRecognizer.getHistograms, additive_chi2_kernel)
@@ -37,3 +38,8 @@ def called_by(contender: Contender) -> tuple[Function, ...]:
 def stopwatch_of(name: str, contender: Contender) -> Stopwatch:
     """Return a stopwatch for asking a method, with its name beside that of the function."""
     return Stopwatch(*called_by(contender), about=name)
+
+
+def _asks_opencv(baseline: Baseline) -> bool:
+    """Say whether OpenCV itself answers: eigenfaces without the first ones compare by themselves."""
+    return isinstance(baseline, OPENCV) and not getattr(baseline, "_drop_first", 0)
