@@ -104,10 +104,10 @@ class Keeping(Rule, Roll):
         """
         gallery = cls(model, mask, threshold, margin, shortlist)
         refuse_writing(path)
-        if not is_free(path) or not Path(path).parent.is_dir():
-            raise HarmonicFaceError(
-                f"create: expected a new or an empty folder in one that is there, got {path!s:.300}"
-            )
+        if not is_free(path):
+            raise HarmonicFaceError(f"create: expected a new or an empty folder, got {path!s:.300}, which is there")
+        if not is_folder(Path(path).parent):
+            raise HarmonicFaceError(f"expected a folder {Path(path).parent!s:.300}, got none")
         people = PeopleInFolder(Path(path), gallery, _checked_dtype(dtype), gallery._people.known_frame)
         gallery._people = people
         if people.known_frame is not None:
