@@ -15,6 +15,7 @@ from harmonicface.errors import HarmonicFaceError
 
 BLOCK = 1 << 11  # pixels at a time: float32 products of so few, summed in float64, round to 4e-8 of the largest
 RESOLVED = 1e-6  # of the largest square: smaller ones drown in float32 products, which are then redone in float64
+GRADED = 1e-10  # of the largest square: smaller ones are found without squares
 SQUARED = 1e12  # brighter or darker intensities, squared and summed, come near the ends of float32
 SPARE = 3  # singular vectors beyond those asked for, among which a second pass turns the last ones right
 
@@ -33,7 +34,8 @@ class Factors:
         (rank, p) orthonormal rows of the photographs' type; None where the blocks could be read only once.
     singular_values
         (n,) float64, all of them, largest first. The first `rank` are exact to 1e-6 of the largest; beyond the third
-        after them those of float32 photographs are uncertain by 3e-4 of it.
+        after them those of float32 photographs are uncertain by 3e-4 of it. Of blocks that could be read only once,
+        what is not told from 0, below about 1e-7 of the largest, is 0.
     pixels
         How many columns there were.
     """
@@ -144,6 +146,8 @@ def leading_factors(photographs: ArrayLike | Iterable[Floats], rank: int) -> Fac
         values, vectors = _eigen(gram)
         if values[number - 1] >= RESOLVED * values[0]:
             break
+    if values[number - 1] < GRADED * values[0]:
+        return _by_triangles(blocks, number, unit)
     some = min(number + SPARE, count)
     rows, inner = [], np.zeros((some, some))
     towards = vectors[:, :some].T
@@ -157,6 +161,23 @@ def leading_factors(photographs: ArrayLike | Iterable[Floats], rank: int) -> Fac
     back = turn[:, :number] * sign / np.maximum(strength, np.finfo(float).tiny)
     right = np.concatenate([back.T.astype(row.dtype) @ row for row in rows], axis=1)
     return Factors(vectors[:, :number] * sign * (unit * strength), right, unit * np.sqrt(values), pixels)
+
+
+def _by_triangles(blocks: list[Floats], rank: int, unit: float) -> Factors:
+    """Return the factors of blocks (in units) without squares, which lose what is below 1e-8 of the largest."""
+    count = len(blocks[0])
+    triangle = np.zeros((0, count))
+    for block in blocks:
+        for first in range(0, block.shape[1], BLOCK):
+            part = block[:, first : first + BLOCK].astype(np.float64)
+            triangle = np.asarray(np.linalg.qr(np.concatenate([triangle, part.T]), mode="r"))
+    vectors, values, _ = np.linalg.svd(triangle.T)
+    values = np.concatenate([values, np.zeros(count - len(values))])  # fewer pixels than photographs
+    chosen, strength = vectors[:, :rank], values[:rank]
+    sign = np.where(chosen.sum(axis=0) < 0, -1.0, 1.0)
+    back = chosen * sign / np.maximum(strength, np.finfo(float).tiny)
+    right = np.concatenate([(back.T @ block).astype(block.dtype) for block in blocks], axis=1)
+    return Factors(chosen * sign * (unit * strength), right, unit * values, sum(block.shape[1] for block in blocks))
 
 
 def _read_once(blocks: Iterator[Floats], rank: int) -> Factors:
@@ -176,6 +197,7 @@ def _read_once(blocks: Iterator[Floats], rank: int) -> Factors:
     number, unit = _checked_rank(rank, len(gram)), unit or 1.0
     _refuse_unfinite(gram)
     values, vectors = _eigen(gram)
+    values[values < len(gram) * np.finfo(float).eps * values[0]] = 0.0  # rounding
     sign = np.where(vectors[:, :number].sum(axis=0) < 0, -1.0, 1.0)
     singular = unit * np.sqrt(values)
     return Factors(vectors[:, :number] * sign * singular[:number], None, singular, pixels)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.stereo.factors import leading_factors
+from harmonicface.stereo.factors import BLOCK, leading_factors
 
 
 def photographs(count=20, pixels=5000, rank=9, weakest=1e-2, noise=1e-4, seed=0):
@@ -91,3 +92,33 @@ def test_one_factor_alone():
 def test_refusals(matrix, rank, message):
     with pytest.raises(HarmonicFaceError, match=message):
         leading_factors(matrix, rank)
+
+
+@pytest.mark.parametrize("third", [1e-6, 1e-10, 1e-14])
+def test_faint_factors_are_found_without_squares(third: float) -> None:
+    random = np.random.default_rng(5)
+    left, right = (np.linalg.qr(random.normal(size=(size, 3)))[0] for size in (7, 3 * BLOCK + 5))
+    photographs = (left * [1.0, 0.5, third]) @ right.T
+    found = leading_factors(photographs, 3)
+    assert_allclose(found.singular_values[:3], np.linalg.svd(photographs, compute_uv=False)[:3], atol=1e-15)
+    assert found.condition == pytest.approx(1 / third, rel=0.1)
+    assert_allclose(found.left @ found.right, photographs, atol=1e-15)
+
+
+def test_what_squares_cannot_tell_from_nothing_is_nothing_where_blocks_come_once() -> None:
+    random = np.random.default_rng(6)
+    left, right = (np.linalg.qr(random.normal(size=(size, 3)))[0] for size in (7, 200))
+    found = leading_factors(iter([(left * [1.0, 0.5, 1e-10]) @ right.T]), 3)
+    assert found.condition == np.inf and not found.singular_values[2:].any()
+
+
+@pytest.mark.parametrize("factor", [1e-200, 1e200])
+def test_blocks_of_very_unlike_brightness_that_come_once(factor: float) -> None:
+    random = np.random.default_rng(7)
+    blocks = [random.normal(size=(4, 20)), factor * random.normal(size=(4, 20)), np.zeros((4, 3))]
+    for order in ((0, 1, 2), (1, 0, 2), (2, 1, 0)):
+        found = leading_factors(iter([blocks[index] for index in order]), 2)
+        assert_allclose(found.singular_values, np.linalg.svd(np.hstack(blocks), compute_uv=False), rtol=1e-12)
+        assert found.residual(2) == pytest.approx(
+            max(1, factor) * leading_factors(np.hstack(blocks) / max(1, factor), 2).residual(2)
+        )

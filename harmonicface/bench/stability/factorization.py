@@ -9,7 +9,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.bench.stability import exact
-from harmonicface.bench.stability.row import CONSTANT, Answers, Measured, Rows, named, unit
+from harmonicface.bench.stability.row import CONSTANT, Answers, Measured, Rows, if_honest, named, unit
 from harmonicface.reflectance.factorization import factor_light_field
 from harmonicface.stereo.factors import leading_factors
 
@@ -61,7 +61,10 @@ def _factored(photographs: Floats, rank: int = 3, once: bool = False) -> Measure
         off = max(float(off), max(float(excess) - beyond, 0.0) / float(values[0]))
     precision = unit(float(values[0]), photographs.dtype)
     note = "of the largest singular value; condition reported"
-    return Measured(float(off), CONSTANT * found.condition * precision, found.condition, note)
+    measured = Measured(float(off), CONSTANT * found.condition * precision, found.condition, note)
+    # a factor within the rounding of the photographs themselves has no condition
+    true = float(values[0] / max(values[rank - 1], values[0] * np.longdouble(CONSTANT * precision)))
+    return if_honest(measured, true)
 
 
 def of_light_fields() -> Answers:

@@ -11,7 +11,7 @@ from harmonicface._validate import Floats
 from harmonicface.appearance.inverse import LightEstimate, estimate_light
 from harmonicface.appearance.nonnegative_light import nonnegative_light
 from harmonicface.bench.stability import exact
-from harmonicface.bench.stability.row import CONSTANT, SURE, Answers, Measured, Rows, named, unit
+from harmonicface.bench.stability.row import CONSTANT, SURE, Answers, Measured, Rows, if_honest, named, unit
 from harmonicface.surfaces.surface import Surface
 
 SIDE = 16
@@ -92,7 +92,10 @@ def _estimated(
     size = abs(factor) * float(np.abs(LIGHT).max())
     note = "condition reported: of the normal equations"
     allowed = CONSTANT * found.condition * unit(min(size, size * albedo), dtype)
-    return Measured(float(off.max()) / size, allowed, found.condition, note)
+    pictures = exact.harmonic_pictures(given, shades).astype(np.float64)
+    return if_honest(
+        Measured(float(off.max()) / size, allowed, found.condition, note), exact.condition_of(pictures) ** 2
+    )
 
 
 def _as_stated(found: LightEstimate, off: Floats) -> Measured:

@@ -16,6 +16,7 @@ from harmonicface.bench.stability.row import (
     Measured,
     Refused,
     Rows,
+    if_honest,
     named,
     rounded,
     unit,
@@ -114,7 +115,8 @@ def _solved(
     used = slice(None) if weights is None else weights[:, 0] > 0
     right = np.stack([exact.longs(exact.least_squares(lamps[used], column[used])) for column in seen.T])
     condition = len(lamps[used]) * float(gain.max()) ** 2
-    return rounded(found, right, condition, dtype, "condition reported: n times the square of the noise gain")
+    note = "condition reported: n times the square of the noise gain"
+    return if_honest(rounded(found, right, condition, dtype, note), exact.condition_of(lamps[used]) ** 2)
 
 
 def _of_pseudo_inverse() -> Rows:

@@ -9,7 +9,7 @@ from numpy.typing import DTypeLike
 
 from harmonicface._validate import Floats
 from harmonicface.bench.stability import exact
-from harmonicface.bench.stability.row import CONSTANT, Answers, Measured, Rows, named, rounded, unit
+from harmonicface.bench.stability.row import CONSTANT, Answers, Measured, Rows, if_honest, named, rounded, unit
 from harmonicface.recognition.subspace import Subspace
 
 PIXELS = 60
@@ -106,7 +106,7 @@ def _coefficients(pictures: Floats) -> Measured:
     spread = float(np.linalg.norm(photo) / made)
     allowed = CONSTANT * max(1.0, spread / reach) * condition * max(SINGLE, unit(size, pictures.dtype))
     error = rounded(span.coefficients(photo), right).error
-    return Measured(error, allowed, condition, KEPT)
+    return if_honest(Measured(error, allowed, condition, KEPT), exact.condition_of(double))
 
 
 def _restricted(pixels: int) -> Measured:

@@ -10,8 +10,8 @@ roundings of m equations in n unknowns add up as sqrt(m n) of them do, almost ne
 (Higham & Mary, A new approach to probabilistic rounding error analysis, 2019): 3 sqrt(m n) / 2 = 90 of epsilon for
 m = 400 and n = 9, and C = 100. Of solvers that state a standard error it is three of these. A row is *refused* if the
 solver ended in an error of the package, which gives the reason, or said that nothing is determined. All else is
-*wrong*: another exception, a warning, NaN, an error larger than stated, or an infinite condition where the plan says
-that the problem is well-posed.
+*wrong*: another exception, a warning, NaN, an error larger than stated, a condition less than half of the true one, or
+an infinite one where the plan says that the problem is well-posed.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from harmonicface.bench.measure import Record
 
 CONSTANT = 100.0
 SURE = 3.0  # standard errors
+UNDERSTATED = 2.0  # how many times too small a condition may be said to be
 Verdict = Literal["right", "refused", "wrong"]
 Posed = Literal["well", "ill"]
 
@@ -186,6 +187,20 @@ def rounded(
         return Measured(float(np.abs(ours).max(initial=0.0)), 0.0, condition, f"{note} (of 0, absolute)".lstrip())
     error = float(np.abs(ours - right).max(initial=0.0) / np.longdouble(size))
     return Measured(error, CONSTANT * condition * unit(size, dtype), condition, note)
+
+
+def if_honest(measured: Measured, true_condition: float) -> Measured:
+    """Return what was measured, with an infinite error if the condition is said to be less than half of what it is.
+
+    Examples
+    --------
+    >>> if_honest(Measured(1e-15, 1e-14, 3.0), 5.0).error, if_honest(Measured(1e-15, 1e-14, 2.0), 5.0).error
+    (1e-15, inf)
+    """
+    if measured.condition is None or measured.condition >= true_condition / UNDERSTATED:
+        return measured
+    said = f"condition said to be {measured.condition:.1e}, and it is {true_condition:.1e}"
+    return Measured(np.inf, measured.allowed, measured.condition, said)
 
 
 def unit(size: float, dtype: DTypeLike = np.float64) -> float:
