@@ -11,12 +11,9 @@ from hypothesis import strategies as st
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.search.cascade import Found
-from harmonicface.gallery.search.packing import packed
 from harmonicface.gallery.search.shared_basis import SharedBasis
-from harmonicface.gallery.search.sketch import sketch
 from harmonicface.gallery.share import shares_of
 from harmonicface.gallery.shelf import Shelf, merged
-from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.version import Version
 from tests.gallery.shelved_people import BASIS, PIXELS, STOPS, drawn, made, pairs, scan, units
@@ -73,18 +70,6 @@ def shelved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Shelf, list[np.nd
     return shelf_of(folder.version()), people
 
 
-def test_closeness_of_everybody_by_the_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    people = [drawn(3 + number % 7, "float16") for number in range(30)]
-    folder = made(tmp_path / "folder", people, range(30), "float16")
-    folder.remove(["person 0", "person 8", "person 9", "person 29"])
-    left = [rows for number, rows in enumerate(people) if number not in (0, 8, 9, 29)]
-    asked = units(people)
-    expected = [np.square(asked @ rows.T.astype(np.float64)).sum(axis=1) for rows in left]
-    for block in (1, 1000, 1 << 25):
-        monkeypatch.setattr("harmonicface.gallery.section.BLOCK", block)
-        np.testing.assert_allclose(shelf_of(folder.version(), None).closeness(asked), expected, rtol=1e-5)
-
-
 def test_nobody_is_found_on_an_empty_shelf(tmp_path: Path) -> None:
     shelf = shelf_of(made(tmp_path / "folder", []).version())
     unit = np.eye(PIXELS)[0]
@@ -122,23 +107,6 @@ def test_rows_that_are_not_orthonormal_are_refused_by_name(tmp_path: Path) -> No
     folder = made(tmp_path / "folder", [drawn(9, "float32"), 1.1 * drawn(9, "float32")], (0, 1))
     with pytest.raises(HarmonicFaceError, match="'person 1': expected orthonormal rows"):
         shelf_of(folder.version()).search(np.eye(PIXELS)[0])
-
-
-def test_a_sketch_that_tells_of_rows_that_are_not_orthonormal_is_refused(tmp_path: Path) -> None:
-    person = drawn(9, "float32")
-    folder = made(tmp_path / "folder", [])
-    for defect in (0.02, -1.0):
-        arrays = packed(sketch(person, BASIS, STOPS)) | {"rows": person, "sketch_defect": np.array([defect])}
-        folder.append([Entry("ada", arrays)])
-        with pytest.raises(HarmonicFaceError, match="expected orthonormal rows"):
-            shelf_of(folder.version())
-        folder.remove("ada")
-
-
-def test_somebody_without_rows_is_refused(tmp_path: Path) -> None:
-    folder = made(tmp_path / "folder", [np.empty((0, PIXELS), np.float32)], (0,))
-    with pytest.raises(HarmonicFaceError, match="got somebody without any"):
-        shelf_of(folder.version())
 
 
 @pytest.mark.parametrize("unsketched", [(), (0, 1)])
