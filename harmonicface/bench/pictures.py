@@ -61,9 +61,9 @@ def explanations_picture(result: BenchmarkResult, tiers: Sequence[str] = ()) -> 
     return png(figure)
 
 
-def tradeoff_picture(records: Sequence[Record]) -> bytes:
-    """Draw the error over all tiers against the time of a photograph, one point a method."""
-    points = [Point(one.name, one.seconds, one.error or 0.0, one.name in OURS) for one in records]
+def tradeoff_picture(records: Sequence[Record], strong: Sequence[str] = OURS) -> bytes:
+    """Draw the error against the time of a photograph, one point a method, some of them standing out."""
+    points = [Point(one.name, one.seconds, one.error or 0.0, one.name in strong) for one in records]
     return speed_error_picture(points, records[0].unit, "time a photograph")
 
 

@@ -13,7 +13,15 @@ from harmonicface.bench.benchmark import MARGIN_METHOD, BenchmarkResult
 from harmonicface.bench.enrolment import ENROLMENTS
 from harmonicface.bench.measure import machine
 from harmonicface.bench.page import definitions, image, page, table
-from harmonicface.bench.table import cost_table, enrolment_table, error_table, margin_table, method_records
+from harmonicface.bench.table import (
+    cost_table,
+    enrolment_table,
+    error_table,
+    margin_table,
+    method_records,
+    model_records,
+    model_table,
+)
 from harmonicface.bench.tiers import TIERS
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.io.files import replacing
@@ -105,6 +113,7 @@ def _page(result: BenchmarkResult) -> str:
         "tiers": definitions({tier.name: tier.about for tier in TIERS}),
         "errors": table(*error_table(result), MARGIN_METHOD),
         "enrolments": _enrolments(result),
+        "models": _models(result),
         "margins": table(*margin_table(result)),
         "explanations": image(pictures.explanations_picture(result), "photographs explained by right and wrong people"),
         "harmonics": image(pictures.harmonics_picture(result.people[0].surface), "nine harmonic images of one person"),
@@ -127,6 +136,20 @@ def _enrolments(result: BenchmarkResult) -> str:
         " all photographs; below 1 is an error. Normals: mean angle to the true ones. Whom photometric stereo refused"
         f" is never found.</p>{table(*cost_table(result))}<p>Wrong answers in %:</p>"
         f"{table(*enrolment_table(result))}{ways}"
+    )
+
+
+def _models(result: BenchmarkResult) -> str:
+    """Compare how many pictures a person needs under natural light, if several models were asked."""
+    heads, rows = model_table(result)
+    if not rows:
+        return ""
+    plot = pictures.tradeoff_picture(model_records(result), ("auto",))
+    return (
+        "<h2>Only what natural light takes</h2><p>Galleries that keep fewer pictures a person, the smallest first, in"
+        " the photographs under natural light alone. auto chooses the pictures of each person from her Surface"
+        f" (<code>choose_model</code>).</p>{table(heads, rows, 'auto')}"
+        f"{image(plot, 'error under natural light against time, by the pictures of a person')}"
     )
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from harmonicface.bench.benchmark import BenchmarkResult
 from harmonicface.bench.measure import Record
 from harmonicface.bench.published import published
 from harmonicface.bench.timing import record
 from harmonicface.bench.yale_result import YaleMethod, YaleResult
 from harmonicface.recognition.intervals import Rate
+from harmonicface.recognition.models import SUBSPACE_MODELS
 
+NINE, NATURAL = "harmonic9", "natural"  # a model, and a tier
 WRONG = "% of photographs given to the wrong person"
 
 
@@ -43,6 +47,37 @@ def method_records(result: BenchmarkResult) -> list[Record]:
         )
         for method in result.methods
     ]
+
+
+def model_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows: per subspace model errors under natural light, time and memory beside nine images'.
+
+    No rows where the nine images, or everybody else, were not asked.
+    """
+    heads = ["pictures", "errors in natural light", "ms", "of nine's", "KiB", "of nine's"]
+    models = {method.method: method for method in result.methods if method.method in SUBSPACE_MODELS}
+    nine = models.get(NINE)
+    if nine is None or len(models) == 1:
+        return heads, []
+    rows = [
+        [
+            name,
+            f"{method.errors[NATURAL]} of {result.queries[NATURAL]}",
+            f"{method.milliseconds:.2f}",
+            f"{100 * method.milliseconds / nine.milliseconds:.0f} %",
+            f"{method.bytes_per_person / 1024:.0f}",
+            f"{100 * method.bytes_per_person / nine.bytes_per_person:.0f} %",
+        ]
+        for name, method in sorted(models.items(), key=lambda pair: pair[1].bytes_per_person)
+    ]
+    return heads, rows
+
+
+def model_records(result: BenchmarkResult) -> list[Record]:
+    """Return one record a subspace model: the time of a photograph, and the error under natural light alone."""
+    models = [method for method in result.methods if method.method in SUBSPACE_MODELS]
+    share = {method.method: 100 * method.errors[NATURAL] / result.queries[NATURAL] for method in models}
+    return [replace(one, error=share[one.name]) for one in method_records(result) if one.name in share]
 
 
 def margin_table(result: BenchmarkResult) -> tuple[list[str], list[list[str]]]:

@@ -54,8 +54,8 @@ def test_the_names() -> None:
 def test_methods_that_learn_from_photographs(name: str, kind: type, dropped: int | None) -> None:
     made = contender(name)
     assert isinstance(made, PhotographContender)
-    assert type(made._baseline) is kind
-    assert getattr(made._baseline, "_drop_first", None) == dropped
+    assert type(made.baseline) is kind
+    assert getattr(made.baseline, "_drop_first", None) == dropped
 
 
 @pytest.mark.parametrize("name", ["linear3", "ambient4", "harmonic9", "pca3", "pca5", "pca_auto", "auto", "default"])

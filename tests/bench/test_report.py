@@ -14,7 +14,7 @@ import harmonicface as hf
 from harmonicface.bench.benchmark import BenchmarkResult, run_benchmark
 from harmonicface.bench.contenders import METHODS
 from harmonicface.bench.report import results, write_report
-from harmonicface.bench.table import error_table, margin_table
+from harmonicface.bench.table import error_table, margin_table, model_records, model_table
 from harmonicface.bench.tiers import TIERS
 
 TIER_NAMES = [tier.name for tier in TIERS]
@@ -75,7 +75,7 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
     assert "https://" not in text
     assert "@import" not in text
     assert "url(" not in text
-    assert len(page.sources) == 4
+    assert len(page.sources) == 5
     for source in page.sources:
         kind, data = source.split(",", 1)
         assert kind == "data:image/png;base64"
@@ -85,7 +85,8 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
 
 def test_the_page_holds_the_tables(folder: Path, small_run: BenchmarkResult) -> None:
     page = Page((folder / "report.html").read_text(encoding="utf-8"))
-    for table, (heads, rows) in zip(page.tables, (error_table(small_run), margin_table(small_run)), strict=True):
+    tables = (error_table(small_run), model_table(small_run), margin_table(small_run))
+    for table, (heads, rows) in zip(page.tables, tables, strict=True):
         assert table == [heads, *rows]
     assert [row[0] for row in page.tables[0][1:]] == list(METHODS)
 
@@ -152,3 +153,19 @@ def test_a_page_in_the_way_stays(small_run: BenchmarkResult, tmp_path: Path) -> 
     with pytest.raises(hf.HarmonicFaceError, match=r"cannot write .*report\.html"):
         write_report(small_run, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "results.json"]
+
+
+def test_the_front_of_models_under_natural_light(small_run: BenchmarkResult) -> None:
+    heads, rows = model_table(small_run)
+    table = {row[0]: dict(zip(heads[1:5], row[1:5], strict=True)) | {"memory": row[5]} for row in rows}
+    assert list(table)[-1] == "harmonic9"  # the largest
+    assert (table["harmonic9"]["of nine's"], table["harmonic9"]["memory"]) == ("100 %", "100 %")
+    assert table["linear3"]["memory"] == "33 %"
+    assert int(table["auto"]["memory"].removesuffix(" %")) <= 60
+    assert table["auto"]["errors in natural light"].endswith(" of 4")
+    records = model_records(small_run)
+    assert {record.name for record in records} == set(table)
+    errors = {method.method: method.errors["natural"] for method in small_run.methods}
+    assert all(record.error == 25.0 * errors[record.name] for record in records)
+    alone = replace(small_run, methods=[method for method in small_run.methods if method.method == "harmonic9"])
+    assert model_table(alone)[1] == []
