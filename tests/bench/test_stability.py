@@ -121,8 +121,12 @@ def test_records_and_counts(monkeypatch: pytest.MonkeyPatch) -> None:
         Outcome(ILL, "refused", None, None, None, 0.5, "why"),
         Outcome(WELL, "right", 0.1, 20.0, 1e15, 0.5, ""),
     ]
-    assert made[0].record.note == "right; allowed 2.0e-03; condition 4.0e+00; relative"
-    assert (made[1].record.name, made[1].record.size, made[1].record.error) == ("solver: case", "ill-posed", None)
+    assert made[0].record.note == "allowed 2.0e-03; condition 4.0e+00; relative"
+    assert (made[1].record.name, made[1].record.size, made[1].record.error) == (
+        "solver: case",
+        "refused, ill-posed",
+        None,
+    )
     assert summary(made) == {
         "rows": 3,
         "right": 2,

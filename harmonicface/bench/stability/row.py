@@ -130,9 +130,9 @@ class Outcome:
         """The row as a record: its error in the unit of the note, its time with that of the reference."""
         allowed = "" if self.allowed is None else f"allowed {self.allowed:.1e}"
         condition = "" if self.condition is None else f"condition {self.condition:.1e}"
-        note = "; ".join(part for part in (self.verdict, allowed, condition, self.note) if part)
+        note = "; ".join(part for part in (allowed, condition, self.note) if part)
         name = f"{self.planned.solver}: {self.planned.case}"
-        return Record(name, f"{self.planned.posed}-posed", self.seconds, self.error, note=note)
+        return Record(name, f"{self.verdict}, {self.planned.posed}-posed", self.seconds, self.error, note=note)
 
 
 def verdict_of(error: float, allowed: float, posed: Posed = "well") -> Verdict:

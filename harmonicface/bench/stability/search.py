@@ -117,10 +117,12 @@ def _bounded(people: Sequence[Rows32], basis: SharedBasis, photo: Floats) -> Mea
     """Compare the bounds of all stages with what each person explains in fractions: none may be below."""
     seen = unit_photo(photo, PIXELS)
     question = Question(basis, seen[None])
-    (company,) = crowd([sketch(one, basis, COLUMNS) for one in people], COLUMNS)
+    sketches = [sketch(one, basis, COLUMNS) for one in people]
+    (company,) = crowd(sketches, COLUMNS)
     explained = np.array([exact.closeness(one.astype(np.float64), seen) for one in people])
     count = form_columns(company.stops)
-    first = company.forms @ bound.features(question.coordinates(count), question.left(count))
+    asked = bound.features(question.coordinates(count), question.left(count))
+    first = np.stack([np.append(one.form, [one.levels[0], one.doubts[0]]) @ asked for one in sketches])
     everybody = np.arange(len(people))
     later = [
         company.bounds(stage, everybody, question.coordinates(stop), question.left(stop))
