@@ -1,63 +1,90 @@
 """How much faster is the exact search than reading everybody? Beside the float32 product of all rows, same answers.
 
-Run it as `python benchmarks/search.py [--quick] [--people N] [--ict FOLDER] [--folder DIR] [--json FILE]`. Every person
-is made by the generator, one by one (36 ms of one core each; 20,000 take 6 minutes of two cores), and kept in DIR if it
-is given: 2.6 GB for 20,000. Every answer is compared with that of the scan, and differing stops the benchmark. The
-shared basis is learned from the first 1,000 people's rows, weighted by their singular values; no photograph is seen.
+Run it as `python benchmarks/search.py [--quick] [--people N] [--drawn N] [--ict FOLDER] [--folder DIR] [--json FILE]`.
+Every person is made by the generator, one by one (36 ms of one core each, 160 ms for ICT heads), and kept in DIR if it
+is given; with --drawn fewer are, and the others are morphs between random pairs of them (`morph`). Up to 50,000 people
+are kept in memory as float32 (2.6 GB for 20,000), more in a file of float16 that is mapped, and scanned block by block.
+
+Every answer is compared with that of the scan, and differing stops the benchmark. The shared basis is learned from
+4,000 people chosen at random among those of whom no photograph is asked for, weighted by their singular values.
 """
 
 from __future__ import annotations
 
-import argparse
 import tempfile
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cached_property, partial
 from pathlib import Path
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 import harmonicface as hf
+from harmonicface.bench.command_line import benchmark_parser, finish
 from harmonicface.bench.crowds import SYNTHETIC, ict_crowd
-from harmonicface.bench.measure import Record, print_records, write_records
-from harmonicface.gallery.search.batches import search_many
-from harmonicface.gallery.search.cascade import Found, search
+from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Call, Stopwatch, best, once, record
+from harmonicface.gallery.search.cascade import Found, search, search_many
 from harmonicface.gallery.search.crowd import Company, crowd
 from harmonicface.gallery.search.pixels import Pixels
 from harmonicface.gallery.search.shared_basis import SharedBasis
-from harmonicface.gallery.search.sketch import COLUMNS, sketch
+from harmonicface.gallery.search.sketch import COLUMNS, Sketch, sketches
 from harmonicface.recognition.subspace import Subspace, unit_photo
 
-SIZE = 64
+SIZE, RANK = 64, 9
 CHUNK = 200
-ASKED = 4  # of each chunk
-SAMPLE = 1_000
+ASKED = 4  # of each chunk; the first was looked at when the search was built, and is not asked for here
+SAMPLE = 4_000
 FLOOR = 1e-3  # weight of the weakest modes beside all
-BATCH = 64
+BATCH, ALONE = 64, 8
 THRESHOLD = 0.1  # the default of galleries that compare distances
 ROUNDING = 2e-3  # of the scan's squares: whoever is so near the last place is measured exactly
+IN_MEMORY = 50_000  # people
+BLOCK = 2_000  # people whose float16 rows become float32 together
 LIGHTS = ("one lamp", "natural")
 NOISES = (0.0, 0.05)
+CURVE = (1_000, 5_000)
+QUESTIONS = (("exact top-1", 1, 1.0), (f"all within {THRESHOLD}", None, THRESHOLD), ("exact top-5", 5, 1.0))
+SHORTLIST = ("exact top-50", 50, 1.0)
 Units = NDArray[np.float64]
+Rows = NDArray[np.floating]
 
 
 @dataclass(frozen=True)
 class People:
     """Everybody's rows one after the other, and what a search needs beside them."""
 
-    array: NDArray[np.float32]
-    starts: NDArray[np.intp]
-    companies: tuple[Company, ...]
-    pixels: Pixels
+    array: Rows
+    sketches: Sequence[Sketch]
     basis: SharedBasis
+    kind: str
 
-    def scan(self, units: Units) -> NDArray[np.float32]:
-        """Return everybody's |Q y|^2 for unit photographs (q, p) by one product, (n, q)."""
-        products = self.array @ units.T.astype(np.float32)
-        return np.add.reduceat(np.square(products, out=products), self.starts[:-1], axis=0)
+    @cached_property
+    def companies(self) -> tuple[Company, ...]:
+        """Everybody's sketches."""
+        return crowd(self.sketches, self.sketches[0].stops)
+
+    @cached_property
+    def pixels(self) -> Pixels:
+        """Everybody's rows, one by one."""
+        defects = np.array([one.defect for one in self.sketches])
+        return Pixels(lambda who: self.array[RANK * who : RANK * who + RANK], defects, self.array.shape[1])
+
+    @property
+    def size(self) -> str:
+        """How many they are."""
+        return f"{len(self.sketches)} {self.kind}people {SIZE}x{SIZE}"
+
+    def first(self, count: int) -> People:
+        """Return the first ones alone."""
+        return People(self.array[: RANK * count], self.sketches[:count], self.basis, self.kind)
+
+    def asked(self, unit: Units, top: int | None, distance: float) -> tuple[object, ...]:
+        """Return the arguments of a search."""
+        return self.companies, self.pixels, self.basis, unit, top, distance
 
     def answer(self, unit: Units, closeness: NDArray[np.float32], top: int | None, distance: float) -> list[object]:
         """Return the scan's answer, measured exactly near the last place."""
@@ -66,8 +93,23 @@ class People:
         exact = sorted((self.pixels.distance(int(who), unit), int(who)) for who in near)
         return [one for one in exact if one[0] <= distance][:top]
 
+    def read(self, found: Found) -> int:
+        """Return the bytes that a search has read."""
+        forms, stages = self.companies[0].forms.nbytes, len(found.survivors) - 1
+        columns = [4 * stop for stop in self.companies[0].stops[:stages]] + [self.array[0].nbytes]
+        return forms + sum(RANK * who * width for who, width in zip(found.survivors, columns, strict=True))
 
-def make_chunk(job: tuple[str | None, int, str]) -> None:
+
+def scan(array: Rows, units: Units) -> NDArray[np.float32]:
+    """Return everybody's |Q y|^2 for unit photographs (q, p) by one product, or by one of each block, (n, q)."""
+    single = units.T.astype(np.float32)
+    step = len(array) if array.dtype == np.float32 else RANK * BLOCK
+    parts = [np.asarray(array[start : start + step], np.float32) @ single for start in range(0, len(array), step)]
+    squares = [np.square(part, out=part).reshape(-1, RANK, len(units)).sum(axis=1) for part in parts]
+    return np.concatenate(squares)
+
+
+def make_chunk(job: tuple[str | None, int, Path]) -> None:
     """Make some people, and photographs of the first of them, and write them."""
     ict, number, place = job
     draw = (ict_crowd(ict) if ict else SYNTHETIC).draw
@@ -79,96 +121,127 @@ def make_chunk(job: tuple[str | None, int, str]) -> None:
         images[:, person.mask] = hf.harmonic_images(person)
         subspace = Subspace.of(images[:, mask])
         rows.append(subspace.rows)
-        values = 1 / np.square(subspace.to_coefficients).sum(axis=1)
-        energies.append(values / values.sum() + FLOOR)
+        energies.append(energies_of(subspace))
         if index < ASKED:
             towards = rng.normal(size=3) * [1.0, 1.0, 0.0] + [0.0, 0.0, 1.0]
             lights = hf.lights.directional(towards), hf.lights.natural(int(rng.integers(1 << 30)))
             photos.append([hf.render(person, light)[mask] for light in lights])
-    ranks = [len(one) for one in rows]
-    np.savez(place, rows=np.concatenate(rows), ranks=ranks, energies=np.concatenate(energies), photos=photos)
+    np.savez(place, rows=np.concatenate(rows), energies=np.concatenate(energies), photos=photos)
 
 
-def people(count: int, ict: str | None, folder: Path, found: list[Record]) -> tuple[People, NDArray[np.float32]]:
-    """Return everybody and photographs (q, lights, p) of some of them; enrolling them is recorded."""
-    jobs = [
-        (ict, number, str(folder / f"{'ict' if ict else 'synthetic'} {number}.npz")) for number in range(count // CHUNK)
-    ]
+def energies_of(subspace: Subspace) -> NDArray[np.float64]:
+    """Return the squares of the singular values of somebody's images, of sum 1, and a little more."""
+    values = 1 / np.square(subspace.to_coefficients).sum(axis=1)
+    return np.asarray(values / values.sum() + FLOOR)
+
+
+def morph(job: tuple[tuple[Rows, Rows], tuple[Rows, Rows], float]) -> tuple[Rows, NDArray[np.float64]]:
+    """Return a person between two: her images are the mean of theirs, turned so that they agree best."""
+    (first, one), (second, other), share = job
+    images = np.sqrt(np.maximum(one - FLOOR, 0))[:, None] * first
+    others = np.sqrt(np.maximum(other - FLOOR, 0))[:, None] * second
+    left, _, right = np.linalg.svd(images @ others.T)
+    between = Subspace.of((1 - share) * images + share * (left @ right @ others))
+    return between.rows, energies_of(between)
+
+
+def draw_people(count: int, drawn: int, ict: str | None, folder: Path) -> tuple[Rows, Rows, NDArray[np.float32]]:
+    """Return everybody's rows and energies, and photographs (q, lights, p) of some of the first ones."""
+    kind = "ict" if ict else "synthetic"
+    jobs = [(ict, number, folder / f"{kind} {number}.npz") for number in range(drawn // CHUNK)]
     with ProcessPoolExecutor(2) as pool:
-        list(pool.map(make_chunk, [job for job in jobs if not Path(job[2]).exists()]))
-    chunks = [np.load(place) for _, _, place in jobs]
-    photos = np.concatenate([chunk["photos"] for chunk in chunks])
-    starts = np.cumsum([0, *np.concatenate([chunk["ranks"] for chunk in chunks])])
-    energies = np.concatenate([chunk["energies"] for chunk in chunks])
-    array = np.empty((starts[-1], photos.shape[2]), np.float32)
-    for number, chunk in enumerate(chunks):
-        array[starts[number * CHUNK] : starts[(number + 1) * CHUNK]] = chunk["rows"]
-    sample, size = starts[min(SAMPLE, count)], f"{count} people {SIZE}x{SIZE}"
-    start = time.perf_counter()
-    basis = SharedBasis.of(array[:sample], energies[:sample], COLUMNS[-1])
-    note = f"{len(basis.rows)} rows from {min(SAMPLE, count)} people"
+        list(pool.map(make_chunk, [job for job in jobs if not job[2].exists()]))
+        chunks = [np.load(place) for _, _, place in jobs]
+        photos = np.concatenate([chunk["photos"] for chunk in chunks])
+        shape = RANK * count, photos.shape[2]
+        if count > IN_MEMORY:
+            array = np.lib.format.open_memmap(folder / f"{kind} {count}.npy", "w+", np.float16, shape)
+        else:
+            array = np.empty(shape, np.float32)
+        known = np.concatenate([chunk["rows"] for chunk in chunks])
+        energies = [np.concatenate([chunk["energies"] for chunk in chunks])]
+        array[: len(known)] = known
+        parts = list(zip(np.split(known, drawn), np.split(energies[0], drawn), strict=True))
+        rng = np.random.default_rng(0)
+        pairs = ((rng.choice(drawn, 2, replace=False), rng.uniform(0.3, 0.7)) for _ in range(count - drawn))
+        between = pool.map(morph, ((parts[a], parts[b], share) for (a, b), share in pairs), chunksize=50)
+        for number, (rows, energy) in enumerate(between, drawn):
+            array[RANK * number : RANK * number + RANK] = rows
+            energies.append(energy)
+    return array, np.concatenate(energies), photos
+
+
+def enrol(array: Rows, energies: Rows, asked: Sequence[int], kind: str) -> tuple[People, list[Record]]:
+    """Learn the shared basis, and sketch everybody, beside what the QR factorization of each alone takes."""
+    count = len(array) // RANK
+    others = np.setdiff1d(np.arange(count), asked)
+    sample = np.sort(np.random.default_rng(0).choice(others, min(SAMPLE, len(others)), replace=False))
+    rows = np.asarray(array.reshape(count, RANK, -1)[sample], np.float32).reshape(RANK * len(sample), -1)
+    weights = energies.reshape(count, RANK)[sample].ravel()
+    learning, basis = once(partial(SharedBasis.of, rows, weights, COLUMNS[-1]))
+    size, found = f"{count} {kind}people {SIZE}x{SIZE}", []
+    note = f"{len(basis.rows)} rows from {len(sample)} people"
+    found.append(record("learn the shared basis", size, learning, bytes=basis.rows.nbytes, note=note))
+    watch, everybody = Stopwatch(sketches), []
+    for start in range(0, len(array), RANK * BLOCK):
+        block = np.split(array[start : start + RANK * BLOCK], len(array[start : start + RANK * BLOCK]) // RANK)
+        everybody += watch.run(lambda block=block: list(sketches(block, basis)))
+    alone = best(Call(partial(qr_of_each, array[: 50 * RANK].astype(np.float32)), np.linalg.qr))
+    one = everybody[0]
+    kept = sum(some.nbytes for some in (one.form, *one.numbers, one.levels, one.doubts))
+    each = watch.timing(lambda seconds: sum(seconds) / count)
     found.append(
-        Record("learn the shared basis", size, time.perf_counter() - start, bytes=basis.rows.nbytes, note=note)
+        record("sketch one person", size, each, alone.times(1 / 50), bytes=kept, note="mean of all; the peer of 50")
     )
-    start = time.perf_counter()
-    sketches = [sketch(array[a:b], basis) for a, b in pairwise(starts)]
-    seconds = (time.perf_counter() - start) / count
-    start = time.perf_counter()
-    for a, b in pairwise(starts[:51]):
-        np.linalg.qr(array[a:b].T)
-    alone = (time.perf_counter() - start) / 50
-    kept = sum(one.nbytes for one in (sketches[0].numbers, sketches[0].turns, sketches[0].squares, sketches[0].doubts))
-    found.append(Record("sketch one person", size, seconds, bytes=kept, peer="QR of her rows", peer_seconds=alone))
-    pixels = Pixels(
-        lambda who: array[starts[who] : starts[who + 1]], np.array([one.defect for one in sketches]), array.shape[1]
-    )
-    return People(array, starts, crowd(sketches, COLUMNS[: len(sketches[0].squares)]), pixels, basis), photos
+    return People(array, everybody, basis, kind), found
 
 
-def photographs(lit: NDArray[np.float32], noise: float, count: int) -> Units:
+def qr_of_each(rows: Rows) -> None:
+    """Factor the rows of each person."""
+    for one in np.split(rows, len(rows) // RANK):
+        np.linalg.qr(one.T)
+
+
+def photographs(lit: NDArray[np.float32], noise: float) -> Units:
     """Return unit photographs of pictures, as a camera takes them if there is noise."""
     rng = np.random.default_rng(0)
-    taken = [hf.photograph(one[None], rng, noise=noise)[0] if noise else one for one in lit[:count]]
+    taken = [hf.photograph(one[None], rng, noise=noise)[0] if noise else one for one in lit]
     return np.stack([unit_photo(one, lit.shape[1]) for one in taken])
 
 
-def measure(
-    everybody: People, units: Units, top: int | None, distance: float, about: tuple[str, str, str], found: list[Record]
-) -> None:
-    """Time one question, one photograph after the other and together, against the scan."""
-    question, size, tier = about
-    ours, theirs, answers = [], [], []
-    for unit in units:
-        seconds, closeness = _timed(lambda: everybody.scan(unit[None])[:, 0])  # noqa: B023
-        theirs.append(seconds)
-        arguments = everybody.companies, everybody.pixels, everybody.basis, unit, top, distance
-        seconds, answer = _timed(lambda: search(*arguments))  # noqa: B023
-        ours.append(seconds)
-        _compare(answer, everybody.answer(unit, closeness, top, distance))
-        answers.append(answer)
-    note = f"{tier}; {_survivors(answers, len(everybody.starts) - 1)}"
-    seconds, peer = float(np.median(ours)), float(np.median(theirs))
-    read = everybody.companies[0].numbers[0].nbytes
-    scan = f"float32 product with {everybody.array.shape[0]} x {everybody.array.shape[1]}"
-    found.append(Record(f"single query, {question}", size, seconds, 0, read, scan, peer, note))
-    batch = np.resize(units, (BATCH, units.shape[1]))
-    peer, _ = _timed(lambda: everybody.scan(batch))
-    seconds, together = _timed(
-        lambda: search_many(everybody.companies, everybody.pixels, everybody.basis, batch, top, distance)
-    )
-    for number, one in enumerate(together):
-        same = answers[number % len(units)]
-        _compare(one, list(zip(same.distances, same.people, strict=True)))
-    found.append(Record(f"{BATCH} queries, {question}", size, seconds, 0, None, scan, peer, tier))
+def ask(
+    everybody: People, units: Units, tier: str, questions: Sequence[tuple[str, int | None, float]], together: bool
+) -> Iterator[Record]:
+    """Time questions about one photograph after the other, and about all together, against the scan."""
+    about = f"of {everybody.array.shape[0]} x {everybody.array.shape[1]} {everybody.array.dtype}"
+    whole, peer_together = once(Call(partial(scan, everybody.array, units), about=about))[::-1]
+    for question, top, distance in questions:
+        ours, theirs, answers = Stopwatch(search), Stopwatch(scan, about=about), []
+        for number, unit in enumerate(units[:ALONE]):
+            theirs.run(partial(scan, everybody.array, unit[None]))  # it also leaves nothing of ours in the caches
+            answers.append(ours.run(partial(search, *everybody.asked(unit, top, distance))))
+            compare(answers[-1], everybody.answer(unit, whole[:, number], top, distance))
+        read = int(np.mean([everybody.read(one) for one in answers]))
+        note = f"{tier}; {survivors(answers, len(everybody.sketches))}; reads {read / everybody.array.nbytes:.2%}"
+        name, same = f"single query, {question}", {"error": 0.0, "unit": "wrong answers", "question": question}
+        yield record(name, everybody.size, ours.timing(), theirs.timing(), bytes=read, note=note, **same)
+        if together:
+            many = Call(partial(search_many, *everybody.asked(units, top, distance)))
+            timing, found = once(many)
+            for number, (unit, one) in enumerate(zip(units, found, strict=True)):
+                compare(one, everybody.answer(unit, whole[:, number], top, distance))
+            timing = min(timing, once(many)[0], key=lambda one: one.seconds)
+            name, note = f"{len(units)} queries, {question}", f"{tier}; {survivors(found, len(everybody.sketches))}"
+            yield record(name, everybody.size, timing, peer_together, note=note, **same)
 
 
-def _compare(answer: Found, expected: list[object]) -> None:
+def compare(answer: Found, expected: list[object]) -> None:
     """Stop if an answer is not the scan's."""
     if list(zip(answer.distances, answer.people, strict=True)) != expected:
         raise SystemExit(f"search: expected {expected}, got {answer}")
 
 
-def _survivors(answers: list[Found], count: int) -> str:
+def survivors(answers: Sequence[Found], count: int) -> str:
     """Return how many people survive each stage, in percent, and are measured."""
     stages = max(len(one.survivors) for one in answers)
     padded = [one.survivors + one.survivors[-1:] * (stages - len(one.survivors)) for one in answers]
@@ -177,42 +250,61 @@ def _survivors(answers: list[Found], count: int) -> str:
     return f"{shares} % survive {len(padded[0])} stages, {measured:.1f} measured"
 
 
-def _timed(call: Callable[[], object]) -> tuple[float, object]:
-    """Return the time of a call and its result."""
-    start = time.perf_counter()
-    result = call()
-    return time.perf_counter() - start, result
+def others(everybody: People, unit: Units) -> Iterator[Record]:
+    """Time one question beside a least-squares fit of each person, and beside OpenCV, of few people and scaled."""
+    ours = best(partial(search, *everybody.asked(unit, 1, 1.0)))
+    some = np.asarray(everybody.array[: 200 * RANK], np.float32)
+    fits = [partial(np.linalg.lstsq, rows.T, unit.astype(np.float32)) for rows in np.split(some, 200)]
+    pictures = [
+        cv2.normalize(np.resize(row, (SIZE, SIZE)), None, 0, 255, cv2.NORM_MINMAX, cv2.CV_8U) for row in some[::RANK]
+    ]
+    model = cv2.face.LBPHFaceRecognizer.create()
+    model.train(pictures, np.arange(200))
+    for peer in (
+        Call(lambda: [fit() for fit in fits], np.linalg.lstsq),
+        Call(lambda: model.predict(pictures[0]), model.predict),
+    ):
+        timing = best(peer, repeats=3)
+        scaled = timing.times(len(everybody.sketches) / 200)
+        note = "the peer's time is that of 200 people, scaled to all"
+        yield record("single query, exact top-1", everybody.size, ours, scaled, note=note, question="of others")
 
 
-def records(count: int, ict: str | None, folder: Path) -> list[Record]:
+def records(count: int, drawn: int, ict: str | None, folder: Path) -> Iterator[Record]:
     """Ask every question under every light."""
-    found: list[Record] = []
-    everybody, photos = people(count, ict, folder, found)
-    size = f"{count} {'ict ' if ict else ''}people {SIZE}x{SIZE}"
+    array, energies, photos = draw_people(count, drawn, ict, folder)
+    numbers = [index for index in range(len(photos)) if index % ASKED]
+    numbers = [numbers[index] for index in np.linspace(0, len(numbers) - 1, min(BATCH, len(numbers))).astype(int)]
+    asked = [number // ASKED * CHUNK + number % ASKED for number in numbers]
+    kind = ("ict " if ict else "") + ("" if drawn == count else f"({drawn} drawn, others morphs) ")
+    everybody, found = enrol(array, energies, asked, kind)
+    yield from found
+    units = np.empty(0)
     for number, light in enumerate(LIGHTS):
         for noise in NOISES:
-            units = photographs(photos[:, number], noise, 16)
-            tier = f"{light}, {100 * noise:g} % noise"
-            measure(everybody, units, 1, 1.0, ("exact top-1", size, tier), found)
-            measure(everybody, units, None, THRESHOLD, (f"all within {THRESHOLD}", size, tier), found)
-            measure(everybody, units, 5, 1.0, ("exact top-5", size, tier), found)
-    return found
+            units = photographs(photos[numbers, number], noise)
+            last = number == len(LIGHTS) - 1 and noise == NOISES[-1]
+            yield from ask(everybody, units, f"{light}, {noise:.0%} noise", QUESTIONS + (SHORTLIST,) * last, True)
+    yield from others(everybody, units[0])
+    for few in CURVE:
+        if few < count:
+            yield from ask(everybody.first(few), units, "natural, 5% noise", QUESTIONS, False)
 
 
 def main() -> None:
     """Print the records, and write them if asked."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="800 people instead of 20,000")
+    parser = benchmark_parser(__doc__, "800 people instead of 20,000")
     parser.add_argument("--people", type=int, default=20_000, help=f"how many, in steps of {CHUNK}")
+    parser.add_argument("--drawn", type=int, help="how many of them are drawn; the others are morphs; default: all")
     parser.add_argument("--ict", help="FaceXModel of ICT-FaceKit: its heads instead of the built-in people")
     parser.add_argument("--folder", type=Path, help="keep the people here, and use those that are there")
-    parser.add_argument("--json", help="write the records here")
     options = parser.parse_args()
+    count = 800 if options.quick else options.people
     with tempfile.TemporaryDirectory() as place:
-        found = records(800 if options.quick else options.people, options.ict, options.folder or Path(place))
-    print_records(found)
-    if options.json:
-        write_records(options.json, found)
+        run: Callable[[], Iterator[Record]] = partial(
+            records, count, min(options.drawn or count, count), options.ict, options.folder or Path(place)
+        )
+        finish(run(), options.json, "each chunk's number")
 
 
 if __name__ == "__main__":

@@ -123,7 +123,7 @@ def search_many(
     limits = _limits(companies, pixels, units, top, distance)
     count = form_columns(stops)
     asked = bound.features(question.coordinates(count), question.left(count))
-    everybody = [company.forms @ asked for company in companies]
+    everybody = [company.forms.T @ asked for company in companies]
     if top is not None:
         _foresee(companies, everybody, question, limits, top)
     closeness = _needed(limits)

@@ -32,7 +32,7 @@ def test_bounds_of_one_and_of_several_photographs(draw: Callable[..., Any], bloc
     for company in companies:
         explained = np.array([[np.sum((rows[who] @ unit) ** 2) for unit in units] for who in company.people])
         everybody, few = np.arange(len(company.people)), np.array([0, len(company.people) - 1])
-        first = company.forms @ features(question.coordinates(4), question.left(4))
+        first = company.forms.T @ features(question.coordinates(4), question.left(4))
         assert (first >= explained).all()
         with patch("harmonicface.gallery.search.crowd.BLOCK", block):
             for stage, stop in enumerate((4, 12)):
