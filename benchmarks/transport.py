@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 import tracemalloc
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -117,7 +116,7 @@ def transports(name: str, surface: Surface, quick: bool) -> Iterator[Record]:
         f"transport past a depth map, {name}",
         size,
         best(partial(horizon_transport, surface, ORDER), 5),
-        replace(peer, seconds=peer.seconds * scale),
+        peer.times(scale),
         error=error,
         peer_error=theirs,
         unit="RMS, relative",
