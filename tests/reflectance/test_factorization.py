@@ -208,3 +208,11 @@ def test_a_tolerance_that_is_no_fraction() -> None:
 def test_a_ragged_light_field() -> None:
     with pytest.raises(HarmonicFaceError, match="light field: expected complex numbers, got list"):
         factor_light_field([[[1.0]], [[1.0, 2.0]]])
+
+
+@pytest.mark.parametrize("unit", [1e-250, 1e250])
+def test_the_unit_of_a_light_field_does_not_matter(unit: float) -> None:
+    field = light_field(some_light(2), isotropic_coefficients(Phong(20), order=2))
+    usual, found = factor_light_field(field), factor_light_field(unit * field)
+    assert_allclose(found.light, usual.light, rtol=1e-12, atol=1e-15)
+    assert_allclose(found.brdf / unit, usual.brdf, rtol=1e-12, atol=1e-15)

@@ -226,3 +226,12 @@ UP = np.tile([0.0, 0.0, 1.0], (3, 4, 1))
 def test_bad_input(arguments: dict, message: str) -> None:
     with pytest.raises(HarmonicFaceError, match=message):
         integrate_normals(**{"normals": UP, **arguments})
+
+
+@pytest.mark.parametrize("unit", [1e-300, 1e300])
+def test_the_unit_of_trust_does_not_matter(unit: float) -> None:
+    random = np.random.default_rng(9)
+    normals = normals_of(*random.normal(size=(2, 6, 7)))
+    weights = random.uniform(0.1, 1, (6, 7))
+    expected = integrate_normals(normals, weights=weights)
+    assert_allclose(integrate_normals(normals, weights=unit * weights), expected, atol=1e-9)

@@ -122,3 +122,11 @@ def test_refuses(changed: dict[str, object], message: str) -> None:
     usual: dict[str, object] = {"normals": np.tile([0.0, 0.0, 1.0], (3, 4, 1)), "intrinsics": (9e9, 9e9, 2, 1.5)}
     with pytest.raises(HarmonicFaceError, match=message):
         integrate_perspective(**{**usual, **changed})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("unit", [1e-300, 1e300])
+def test_the_unit_of_trust_does_not_matter(unit: float) -> None:
+    normals, _, mask = ball_before_a_pinhole()
+    weights = np.random.default_rng(9).uniform(0.1, 1, mask.shape)
+    expected = integrate_perspective(normals, CAMERA, mask, weights)
+    assert_allclose(integrate_perspective(normals, CAMERA, mask, unit * weights), expected, atol=1e-9)

@@ -67,3 +67,13 @@ def test_one_product_is_the_least_squares_solution(dtype: type, tolerance: float
     found = plain_least_squares(observations, lights)
     assert found.dtype == dtype
     assert_allclose(found.T, np.linalg.lstsq(lights, observations.astype(np.float64), rcond=None)[0], atol=tolerance)
+
+
+@pytest.mark.parametrize("brightness", [2.0**-200, 2.0**200, 1e-100, 1e100])
+def test_the_unit_of_the_lamps_does_not_matter(brightness: float) -> None:
+    random = np.random.default_rng(8)
+    lights, observations = random.normal(size=(6, 3)), random.normal(size=(6, 20))
+    expected, gain = scaled_normals(observations, lights)
+    scaled, other = scaled_normals(observations, brightness * lights)
+    assert_allclose(brightness * scaled, expected, rtol=1e-12)
+    assert_allclose(other, gain, rtol=1e-12)

@@ -80,3 +80,16 @@ def test_lamps_in_a_plane_or_near_one_another_are_refused():
     for lights in (coplanar, lamps(20, widest=5), np.tile(truth[:1], (20, 1))):
         with pytest.raises(HarmonicFaceError, match="near one another or near one plane"):
             check_span(lights, normals)
+
+
+def test_the_factors_of_exact_photographs_are_exact():
+    random = np.random.default_rng(6)
+    photographs = random.uniform(0.2, 1, (8, 3)) @ random.uniform(0.2, 1, (3, 50))
+    found = linear_factors(photographs)
+    assert np.abs(found.lights @ found.scaled.T - photographs).max() < 1e-12
+
+
+def test_a_lamp_that_reaches_two_pixels_has_the_shortest_vector_that_explains_them():
+    scaled = np.array([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]])
+    found = lights_of(np.array([[3.0, 4.0, 5.0]]), scaled, np.array([[1.0, 1.0, 0.0]]))
+    assert np.allclose(found, [[3.0, 2.0, 0.0]], atol=1e-14)
