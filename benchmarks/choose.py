@@ -38,7 +38,7 @@ DATA = Path(os.environ.get("HARMONICFACE_DATA", Path(__file__).parents[2] / "sha
 SCENES, QUICK = 300, 40
 SIZE = 40  # rows and columns of a picture
 ROWS = 24  # of the maps of light: 1,152 directions
-DRAWS = 200  # of natural light, other than those that its statistics come from
+DRAWS = 600  # of natural light, other than those that its statistics come from
 SEED = 7
 PROBES = (
     ("latlong/ennis.hdr", "latlong"),

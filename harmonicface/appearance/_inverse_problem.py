@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harmonicface import _validate
+from harmonicface.appearance.choose_modes import undetermined
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.reflectance.filters import lambertian_filter, lambertian_weights
@@ -60,6 +61,7 @@ class Solution:
     kept: Array
     hidden: Array
     drowned: Array
+    dropped: Array
 
 
 def shown(order: int) -> NDArray[np.intp]:
@@ -135,8 +137,8 @@ def reduced(normals: Array, albedo: Array, intensities: Array, order: int) -> li
     ]
 
 
-def solved(factors: Factors, noise: float | None, ridge: float | None) -> Solution:
-    """Solve the reduced system and tell the error of each coefficient."""
+def solved(factors: Factors, noise: float | None, ridge: float | None, dropping: bool = False) -> Solution:
+    """Solve the reduced system, if asked without modes that noise decides, and tell each coefficient's error."""
     k = len(shown(factors.order))
     values = np.asarray(np.linalg.svd(factors.triangle[:, :k], compute_uv=False), np.float64)
     values = np.concatenate([values, np.zeros(k - len(values))])  # fewer pixels than modes
@@ -160,6 +162,9 @@ def solved(factors: Factors, noise: float | None, ridge: float | None) -> Soluti
     inverse = _inverse(factors.triangle, held, doubt) if held.any() else plain
     cut = directions[:, blind | (squares > CUT**2) if ridge == 0 else blind]  # a ridge too weak for rounding is none
     inverse = _smoothest(decay, cut.T) @ (inverse - cut @ (cut.T @ inverse))
+    freedom = max(factors.pixels - factors.triangle.shape[1], 1) if noise is None else np.inf
+    dropped = undetermined(factors.triangle[:, :k], plain, factors.image, sigma, freedom) if dropping else cut[:, :0]
+    inverse = inverse - dropped @ (dropped.T @ inverse)
     coefficients = inverse @ factors.image
     noisy, error = _errors(factors.triangle, inverse, relative, tail)
     misfit = np.hypot(np.linalg.norm(factors.triangle[:, :k] @ coefficients - factors.image), factors.rest)
@@ -175,6 +180,7 @@ def solved(factors: Factors, noise: float | None, ridge: float | None) -> Soluti
         directions[:, ~lost].T,
         directions[:, lost & ~drowned].T[::-1],
         directions[:, drowned].T[::-1],
+        dropped.T,
     )
 
 

@@ -20,7 +20,7 @@ from harmonicface.surfaces.surface import Surface
 
 Array = NDArray[np.float64]
 
-PRINCIPAL = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 16, 20, 25)  # numbers of analytic components that are compared
+PRINCIPAL = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 16, 25)  # numbers of analytic components that are compared
 SHADOWED = {"shadowed9": 2, "shadowed16": 3, "shadowed25": 4, "shadowed49": 6}  # orders, by name
 HARMONIC = {"harmonic9": 2, "harmonic25": 4, "harmonic49": 6}  # of 25 and 49 images 18 and 31 are not 0
 

@@ -60,7 +60,7 @@ class ErrorTheory:
     pictures. t is what light above order 12 adds: as much more than degrees 10 to 12 as the surface's and the light's
     spectra say. That of a matte surface is A_l^2 (Basri & Jacobs, Lambertian Reflectance and Linear Subspaces, 2003;
     Ramamoorthi & Hanrahan, On the relationship between radiance and irradiance, 2001), that of cast shadows goes on as
-    l^-2 or l^-2.5, as edges have it, and the light's as from degree 6 to 12. If a model spans a share s of degrees 10
+    l^-2 or l^-2.75, as edges have it, and the light's as from degree 6 to 12. If a model spans a share s of degrees 10
     to 12, it spans s^3 of what is above: on heads shares fall about so fast from three degrees to the next.
 
     All is done in the space that the images span, reduced to a triangle.

@@ -29,7 +29,7 @@ PIXELS = 2048  # that stand for all: a model of 49 images fits 2 % of what it sh
 EXACT_RAYS = 2048  # of the transport that models are compared with; theirs has 512
 GLOSS_SHADOW_ORDER = 4  # of the transport that tells how much of a coat's lobe is open
 FARTHEST = 200  # the degree above which nothing is counted
-SOFT_EDGES = -2.5  # the power of the degree by which the energy of transport falls where pixels average over shadows
+SOFT_EDGES = -2.75  # the power of the degree by which the energy of transport falls where pixels average over shadows
 HARD_EDGES = -2.0  # and where they do not
 
 

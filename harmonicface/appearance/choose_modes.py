@@ -119,6 +119,28 @@ def determined_modes(
     )
 
 
+def undetermined(images: Array, inverse: Array, photo: Array, noise: float, freedom: float) -> Array:
+    """Return the modes, orthonormal columns (k, d), that some linear estimate of k coefficients cannot tell from noise.
+
+    Parameters
+    ----------
+    images
+        (n, k) images as columns.
+    inverse
+        (k, n) which takes a photograph to the coefficients.
+    photo
+        (n,) the photograph.
+    noise
+        Standard deviation of each of its numbers.
+    freedom
+        Degrees of freedom by which that is known.
+    """
+    turned = np.linalg.svd(images)[2]
+    weights = turned @ inverse
+    least = f_distribution.isf(LEVEL, 1, freedom) * noise**2 * np.einsum("ij,ij->i", weights, weights)
+    return np.asarray(turned[(weights @ photo) ** 2 < least].T)
+
+
 def _eps_of(images: ArrayLike) -> float:
     """Return the rounding of what came: images in float32 are not known better."""
     given = np.asarray(images)

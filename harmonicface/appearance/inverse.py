@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.appearance._inverse_problem import BRIGHTEST, Solution, photographed, reduced, shown, solved
-from harmonicface.appearance.light_modes import HIDDEN, NOISE, ODD, LightMode, simple_basis
+from harmonicface.appearance.light_modes import DROPPED, HIDDEN, NOISE, ODD, LightMode, simple_basis
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.harmonics.indexing import count
 from harmonicface.lighting.light import HarmonicLight
@@ -58,6 +58,8 @@ class LightEstimate:
         The modes that it does, best known first.
     pixels
         How many pixels were used.
+    dropped
+        With the model "auto", the modes that are not told from noise, of which there is nothing in the coefficients.
     """
 
     coefficients: Floats
@@ -71,6 +73,7 @@ class LightEstimate:
     unrecoverable: tuple[LightMode, ...]
     determined: tuple[LightMode, ...]
     pixels: int
+    dropped: tuple[LightMode, ...] = ()
 
     @property
     def light(self) -> HarmonicLight:
@@ -87,6 +90,7 @@ def estimate_light(
     noise: float | None = None,
     ridge: float | Literal["decay"] = "decay",
     saturation: float = np.inf,
+    model: Literal["full", "auto"] = "full",
 ) -> LightEstimate:
     r"""Estimate the distant light of a photograph of a matte convex Surface.
 
@@ -125,6 +129,10 @@ def estimate_light(
         named all the same.
     saturation
         Pixels at or above it, in any channel, are left out.
+    model
+        "full": all modes of the order. "auto": those that an F-test tells from noise (see `determined_modes`), nothing
+        of the rest. Median errors on six faces with 10 % noise, 60 pixels: under a lamp 0.39 instead of 0.49, without a
+        ridge 0.43 instead of 0.59; under natural light 0.33 instead of 0.31, there the ridge knows better.
 
     Returns
     -------
@@ -147,6 +155,8 @@ def estimate_light(
     """
     size = count(order)
     strength = _checked_ridge(ridge)
+    if model not in ("full", "auto"):
+        raise HarmonicFaceError(f"model: expected 'full' or 'auto', got {_validate.describe(model)}")
     if noise is not None and not (_is_number(noise) and np.isfinite(noise) and noise >= 0):
         raise HarmonicFaceError(f"noise: expected a finite number of at least 0, got {_validate.describe(noise)}")
     pixels = photographed(photo, surface, mask, saturation, np.inf)
@@ -158,7 +168,8 @@ def estimate_light(
         for albedo, part in zip(pixels.albedos, parts, strict=True)
         for each in reduced(pixels.normals, albedo, part, order)
     ]
-    solutions = [solved(each, None if noise is None else noise / unit, strength) for each in factors]
+    spread = None if noise is None else noise / unit
+    solutions = [solved(each, spread, strength, model == "auto") for each in factors]
     estimates = [_spread(solution, order, size) for solution in solutions]
     coefficients, std, systematic, recoverable = zip(*estimates, strict=True)
     return LightEstimate(
@@ -173,6 +184,7 @@ def estimate_light(
         unrecoverable=_lost(solutions, order, size),
         determined=_known(solutions, order, size),
         pixels=len(pixels.normals),
+        dropped=tuple(_named([each.dropped for each in solutions], DROPPED, order, size)) if model == "auto" else (),
     )
 
 

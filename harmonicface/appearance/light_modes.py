@@ -16,6 +16,7 @@ LONGEST = 6  # terms of a name
 
 ODD = "an odd degree above 1: no matte surface shows it"
 HIDDEN = "hidden: no visible normal tells it from the rest of the light"
+DROPPED = "dropped: not told from noise"
 NOISE = "lost in noise: its error is larger than the ambient light"
 
 

@@ -337,3 +337,38 @@ def test_what_normals_hide_is_no_matter_of_noise_and_what_noise_drowns_is_not_hi
     loud = estimate_light(hf.render(surface, hf.lights.natural(0)), surface, 4, noise=0.6)
     reasons = {mode.reason.split(":")[0] for mode in loud.unrecoverable if not mode.reason.startswith("an odd")}
     assert reasons == {"lost in noise"}
+
+
+def test_auto_drops_what_noise_decides_and_names_it() -> None:
+    surface, rng = half_sphere(24), np.random.default_rng(0)
+    coefficients = np.array([1.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    photo = hf.render(surface, hf.HarmonicLight(coefficients))
+    photo = photo + 0.05 * rng.normal(size=photo.shape)
+    full, auto = (estimate_light(photo, surface, ridge=0, model=model) for model in ("full", "auto"))
+    assert full.dropped == ()
+    assert 3 <= len(auto.dropped) <= 7
+    assert all(mode.reason == "dropped: not told from noise" for mode in auto.dropped)
+    kept = np.array([mode.direction for mode in auto.dropped]) @ auto.coefficients
+    assert_allclose(kept, 0, atol=1e-12)
+    assert np.linalg.norm(auto.coefficients - coefficients) < np.linalg.norm(full.coefficients - coefficients)
+
+
+def test_auto_is_full_where_all_modes_are_told() -> None:
+    surface = whole_sphere(12)
+    photo = hf.render(surface, hf.HarmonicLight(np.arange(1.0, 10.0)))
+    full, auto = (estimate_light(photo, surface, noise=1e-4, model=model) for model in ("full", "auto"))
+    assert_array_equal(auto.coefficients, full.coefficients)
+    assert auto.dropped == ()
+
+
+def test_auto_of_a_coloured_photograph() -> None:
+    surface, rng = half_sphere(20), np.random.default_rng(1)
+    photo = hf.render(surface, hf.lights.directional([0.3, 0.2, 1], [1.0, 0.8, 0.6]))
+    found = estimate_light(photo + 0.05 * rng.normal(size=photo.shape), surface, model="auto")
+    assert found.coefficients.shape == (9, 3)
+    assert {mode.channel for mode in found.dropped} <= {None, 0, 1, 2}
+
+
+def test_no_such_model() -> None:
+    with pytest.raises(hf.HarmonicFaceError, match="model: expected 'full' or 'auto', got str 'nine'"):
+        estimate_light(np.ones((8, 8)), wall(), model="nine")  # type: ignore[arg-type]
