@@ -142,14 +142,14 @@ class PeopleInFolder(People):
             The folder is still to be made, by the first person.
         """
         if self._version is None:
-            raise HarmonicFaceError(f"expected a gallery at {self.path!s:.300}, got none before somebody is enrolled")
+            raise self._nothing_there()
         return self._version
 
     @property
     def folder(self) -> ArrayFolder:
         """The folder, to be written to; raises as `version` does, and for a copy of one in object storage."""
-        assert self.version is not None
-        assert self._folder is not None
+        if self._folder is None:
+            raise self._nothing_there()
         refuse_writing(self._url or self.path)
         return self._folder
 
@@ -282,6 +282,8 @@ class PeopleInFolder(People):
 
     def verify(self) -> tuple[Damage, ...]:
         """Read everything; say what is damaged, or not what a gallery holds."""
+        if self._version is None:
+            raise self._nothing_there()
         return checkup(self.path)
 
     def compact(self) -> int:
@@ -318,6 +320,9 @@ class PeopleInFolder(People):
         self._firsts = np.cumsum([0, *map(len, version.parts)])
         self._indices, self._searcher = {}, None
         self._album.forget()
+
+    def _nothing_there(self) -> HarmonicFaceError:
+        return HarmonicFaceError(f"expected a gallery at {self.path!s:.300}, got none before somebody is enrolled")
 
     def _where(self, place: int) -> tuple[Part, int]:
         """Return the part in which a person is, and her index there."""

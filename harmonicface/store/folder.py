@@ -144,12 +144,11 @@ class ArrayFolder(Upkeep):
         OutdatedError
             The folder has other arrays of its own, or other kinds, than that version.
         """
-        count = 0
-        for batch in batches(
-            entries, read_manifest(self.path).kinds, _validate.at_least(shard_bytes, 1, "shard_bytes")
-        ):
+        count, manifest = 0, read_manifest(self.path)
+        writing.check_made_for(manifest, made_for)
+        for batch in batches(entries, manifest.kinds, _validate.at_least(shard_bytes, 1, "shard_bytes")):
             with writing.alone(self.path, self._cache) as version:
-                writing.check_made_for(version, made_for)
+                writing.check_made_for(version.manifest, made_for)
                 writing.check_new(version, batch.keys)
                 writing.put(self.path, version, batch)
             count += len(batch.entries)

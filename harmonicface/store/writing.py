@@ -126,12 +126,9 @@ def place_of(version: Version, key: str) -> tuple[int, int] | None:
     return None
 
 
-def check_made_for(version: Version, made_for: Version | None) -> None:
+def check_made_for(now: Manifest, made_for: Version | None) -> None:
     """Refuse entries that were made with other arrays of the folder's own than it has now."""
-    if made_for is None:
-        return
-    now, then = version.manifest, made_for.manifest
-    if (now.common, now.kinds) != (then.common, then.kinds):
+    if made_for is not None and (now.common, now.kinds) != (made_for.manifest.common, made_for.manifest.kinds):
         raise OutdatedError("append: expected entries made with the folder's own arrays, which have changed meanwhile")
 
 
