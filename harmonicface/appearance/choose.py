@@ -18,7 +18,7 @@ from harmonicface.errors import HarmonicFaceError
 from harmonicface.reflectance.materials import Material
 from harmonicface.surfaces.surface import Surface
 
-RESERVE = 1.02  # by how much a prediction may be too low
+RESERVE = 1.01  # by how much a prediction may be too low, whatever the light
 
 
 @dataclass(frozen=True, eq=False)

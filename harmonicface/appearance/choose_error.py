@@ -15,7 +15,7 @@ from harmonicface.harmonics.indexing import count, degrees
 Array = NDArray[np.float64]
 
 ROUNDING = 3e-6  # of the largest singular value: of images in float32, as a `Subspace` takes it
-DOUBT = 2.0  # by how much what is above order 12 may be stronger, over the root of the ways in which light varies
+DOUBT = 1.5  # by how much what is above order 12 may be stronger, over the root of the ways in which light varies
 TOP = np.arange(HIGHEST_ORDER - 2, HIGHEST_ORDER + 1)  # degrees that stand for all above them
 
 
