@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, fields
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -92,17 +91,6 @@ class Record:
         return {**asdict(self), "ratio": self.ratio}
 
 
-def best_seconds(function: Callable[[], object], repeats: int = 7) -> float:
-    """Return the shortest of several timed calls, after one that is not timed."""
-    function()
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - start)
-    return min(times)
-
-
 def machine() -> dict[str, object]:
     """Return what a measurement depends on: processor, cores, Python and package versions."""
     return {
@@ -147,11 +135,3 @@ def _processor() -> str:
             if line.startswith("model name"):
                 return line.split(":", 1)[1].strip()
     return platform.processor() or platform.machine()
-
-
-def print_records(records: Sequence[Record]) -> None:  # until every benchmark has the shared command line
-    """Print records as a table."""
-    from harmonicface.bench.console import print_table
-    from harmonicface.bench.record_table import record_table
-
-    print_table("", *record_table(records))

@@ -6,7 +6,8 @@ import cv2
 from sklearn.metrics.pairwise import additive_chi2_kernel
 
 from harmonicface.bench.contenders import Contender, GalleryContender, PhotographContender
-from harmonicface.bench.timing import Function, Stopwatch
+from harmonicface.bench.timing import Stopwatch
+from harmonicface.bench.watching import Function
 from harmonicface.bench.yale_contenders import ClassifierContender
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.recognition.baselines import Baseline

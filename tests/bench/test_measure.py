@@ -10,7 +10,7 @@ import pytest
 
 import harmonicface as hf
 from harmonicface.bench import measure
-from harmonicface.bench.measure import Record, best_seconds, machine, read_records, write_records
+from harmonicface.bench.measure import Record, machine, read_records, write_records
 
 ALONE = Record("load", "one mesh", 0.25, error=0.0, bytes=12, note="in pixels")
 BESIDE = Record("match", "9 people", 0.003, error=1.5, peer="numpy", peer_seconds=0.002)
@@ -52,13 +52,6 @@ def test_what_holds_no_records_is_refused(tmp_path: Path, text: str) -> None:
 def test_records_that_are_not_there(tmp_path: Path) -> None:
     with pytest.raises(hf.HarmonicFaceError, match=r"cannot read .*none\.json: No such file"):
         read_records(tmp_path / "none.json")
-
-
-def test_the_best_of_several_after_one_to_warm_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock, calls = iter([0, 5, 10, 12, 20, 29]), []
-    monkeypatch.setattr(measure.time, "perf_counter", lambda: next(clock))
-    assert best_seconds(lambda: calls.append(1), repeats=3) == 2
-    assert len(calls) == 4
 
 
 def test_a_measurement_tells_where_it_was_taken() -> None:

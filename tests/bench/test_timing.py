@@ -13,8 +13,9 @@ from scipy.special import sph_harm_y_all
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 import harmonicface as hf
-from harmonicface.bench import timing
-from harmonicface.bench.timing import Call, Stopwatch, Timing, best, in_turn, name_of, once, record
+from harmonicface.bench import timing, watching
+from harmonicface.bench.timing import Call, Stopwatch, Timing, best, in_turn, once, record
+from harmonicface.bench.watching import Function, name_of
 
 
 def by_nnls() -> object:
@@ -40,7 +41,7 @@ def not_by_nnls() -> object:
         (hf.lights.directional([0, 0, 1]).irradiance, "harmonicface.lighting.sources.DirectionalLights.irradiance"),
     ],
 )
-def test_a_function_is_named_by_where_it_is_found(function: timing.Function, name: str) -> None:
+def test_a_function_is_named_by_where_it_is_found(function: Function, name: str) -> None:
     assert name_of(function) == name
 
 
@@ -51,7 +52,7 @@ def test_a_decorated_method_is_named_by_its_class() -> None:
 
 def test_a_function_of_a_script_is_named_by_its_file(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(by_nnls, "__module__", "__main__")
-    monkeypatch.setattr("sys.modules", {**timing.sys.modules, "__main__": timing})
+    monkeypatch.setattr("sys.modules", {**watching.sys.modules, "__main__": timing})
     assert name_of(by_nnls) == "by_nnls of timing.py"
 
 
@@ -64,7 +65,7 @@ def test_what_is_called_by_a_helper_is_seen() -> None:
 
 
 @pytest.mark.parametrize("measured", [best, once, partial(in_turn, lambda: None)])
-def test_a_row_cannot_name_what_it_does_not_call(measured: timing.Function) -> None:
+def test_a_row_cannot_name_what_it_does_not_call(measured: Function) -> None:
     with pytest.raises(hf.HarmonicFaceError, match=r"nnls: expected a call of scipy\.optimize\.nnls, got none"):
         measured(Call(not_by_nnls, nnls))
 
@@ -114,12 +115,12 @@ def test_a_stopwatch_watches_its_first_call() -> None:
 
 
 def test_watching_ends_with_the_call(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = timing.sys.getprofile()
+    before = watching.sys.getprofile()
     best(Call(by_nnls, nnls))
-    assert timing.sys.getprofile() is before
+    assert watching.sys.getprofile() is before
     with pytest.raises(ZeroDivisionError):
         best(Call(lambda: 1 / 0, nnls))
-    assert timing.sys.getprofile() is before
+    assert watching.sys.getprofile() is before
 
 
 def test_the_best_of_several_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
