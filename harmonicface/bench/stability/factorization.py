@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from harmonicface._validate import Floats
-from harmonicface.bench.stability import exact
+from harmonicface.bench.stability import exact, exact_harmonics
 from harmonicface.bench.stability.row import CONSTANT, Answers, Measured, Rows, if_honest, named, unit
 from harmonicface.reflectance.factorization import factor_light_field
 from harmonicface.stereo.factors import leading_factors
@@ -95,7 +95,7 @@ def _told_apart(factor: float = 1.0, second: float = 1.0, constant: float = 1.0,
     modes = np.arange(3)
     brdf *= modes <= np.minimum.outer(modes, modes)[..., None]
     degree = np.repeat(modes, 2 * modes + 1)
-    norms = np.sqrt(4 * exact.PI / (2 * degree + 1).astype(np.longdouble))
+    norms = np.sqrt(4 * exact_harmonics.PI / (2 * degree + 1).astype(np.longdouble))
     field = factor * (norms * light)[:, None, None] * brdf[degree]
     found = factor_light_field(_in_complex_modes(field))
     weakest = min(np.abs(field[degree == each]).max() for each in range(3))

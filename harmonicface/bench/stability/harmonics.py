@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
-from harmonicface.bench.stability import exact
+from harmonicface.bench.stability import exact, exact_harmonics
 from harmonicface.bench.stability.row import Answers, Measured, Rows, named, rounded
 from harmonicface.harmonics.basis import real_harmonics
 from harmonicface.harmonics.rotation import rotate
@@ -58,7 +58,7 @@ def _evaluated(vectors: Floats, order: int, degrees: tuple[int, ...] = ()) -> Me
     found = real_harmonics(vectors, order)
     some = degrees or (range(order + 1) if order <= 8 else (0, 1, order // 2, order - 1, order))
     ours = np.concatenate([found[degree**2 : (degree + 1) ** 2] for degree in some])
-    right = [np.concatenate([exact.harmonics(one, degree) for degree in some]) for one in vectors]
+    right = [np.concatenate([exact_harmonics.harmonics(one, degree) for degree in some]) for one in vectors]
     return rounded(ours, np.stack(right, axis=1), order + 1, vectors.dtype, STEEP)
 
 
@@ -80,7 +80,7 @@ def _pictured(albedo: Floats, mask: NDArray[np.bool_] | None = None, dtype: DTyp
     """Compare the nine harmonic images with polynomials in fractions."""
     normals = directions(albedo.size, 1, dtype)
     surface = Surface(normals.reshape(*albedo.shape, 3), albedo, mask)
-    right = exact.harmonic_pictures(normals, albedo.ravel())
+    right = exact_harmonics.harmonic_pictures(normals, albedo.ravel())
     return rounded(harmonic_images(surface), right, 3, dtype, STEEP)
 
 
@@ -124,8 +124,8 @@ def _turned(matrix: Floats, order: int = 8, factor: float = 1.0, dtype: DTypeLik
     there = np.asarray(exact.longs(exact.rationals(matrix) @ exact.rationals(place)), np.float64)
     for degree in some:
         inside = slice(degree**2, (degree + 1) ** 2)
-        before[inside] = np.longdouble(factor) * exact.harmonics(place, degree)
-        after[inside] = np.longdouble(factor) * exact.harmonics(there, degree)
+        before[inside] = np.longdouble(factor) * exact_harmonics.harmonics(place, degree)
+        after[inside] = np.longdouble(factor) * exact_harmonics.harmonics(there, degree)
     note = "of a point of light, against the harmonics where it went; condition: order + 1"
     return rounded(rotate(before, matrix), after, order + 1, dtype, note)
 

@@ -10,7 +10,7 @@ from numpy.typing import DTypeLike
 from harmonicface._validate import Floats
 from harmonicface.appearance.inverse import LightEstimate, estimate_light
 from harmonicface.appearance.nonnegative_light import nonnegative_light
-from harmonicface.bench.stability import exact
+from harmonicface.bench.stability import exact, exact_harmonics
 from harmonicface.bench.stability.row import CONSTANT, SURE, Answers, Measured, Rows, if_honest, named, unit
 from harmonicface.surfaces.surface import Surface
 
@@ -80,7 +80,7 @@ def _estimated(
     shades = np.full(len(normals), albedo)
     shades[::2] *= not black
     given, shades = normals.astype(dtype), shades.astype(dtype)
-    seen = np.longdouble(factor) * (LIGHT @ exact.harmonic_pictures(given, shades))
+    seen = np.longdouble(factor) * (LIGHT @ exact_harmonics.harmonic_pictures(given, shades))
     seen += factor * noise * albedo * np.random.default_rng(0).normal(size=len(seen))
     surface = Surface(_grid(given), _grid(shades), np.ones(_grid(shades).shape, bool))
     found = estimate_light(_grid(seen.astype(dtype)), surface, noise=told)
@@ -92,7 +92,7 @@ def _estimated(
     size = abs(factor) * float(np.abs(LIGHT).max())
     note = "condition reported: of the normal equations"
     allowed = CONSTANT * found.condition * unit(min(size, size * albedo), dtype)
-    pictures = exact.harmonic_pictures(given, shades).astype(np.float64)
+    pictures = exact_harmonics.harmonic_pictures(given, shades).astype(np.float64)
     return if_honest(
         Measured(float(off.max()) / size, allowed, found.condition, note), exact.condition_of(pictures) ** 2
     )

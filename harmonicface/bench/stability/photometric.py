@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from harmonicface._validate import Floats
-from harmonicface.bench.stability import exact
+from harmonicface.bench.stability import exact, exact_harmonics
 from harmonicface.bench.stability.row import (
     CONSTANT,
     SURE,
@@ -200,7 +200,7 @@ def _under_skies(factor: float = 1.0, alike: bool = False) -> Measured:
     lights = np.repeat(lights[:1], COUNT, axis=0) if alike else lights
     albedo = np.linalg.norm(_scaled(), axis=1)
     normals = _scaled() / albedo[:, None]
-    seen = factor * (lights.astype(np.longdouble) @ exact.harmonic_pictures(normals, albedo))
+    seen = factor * (lights.astype(np.longdouble) @ exact_harmonics.harmonic_pictures(normals, albedo))
     found = general_light_normals(seen.astype(np.float64), lights)
     ours = found.scaled / np.linalg.norm(found.scaled, axis=1, keepdims=True)
     error = np.linalg.norm(ours - normals, axis=1)

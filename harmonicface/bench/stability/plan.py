@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from harmonicface.bench.stability.row import Planned
+from harmonicface.bench.stability.plan_of_photographs import PHOTOGRAPHS
+from harmonicface.bench.stability.row import SCALES, Planned, planned
 
 
 def plan() -> tuple[Planned, ...]:
@@ -19,15 +18,6 @@ def plan() -> tuple[Planned, ...]:
     return tuple(row for rows in FAMILIES.values() for row in rows)
 
 
-def _rows(solver: str, well: Sequence[str] = (), ill: Sequence[str] = (), slow: bool = False) -> tuple[Planned, ...]:
-    """Return the rows of one solver."""
-    return (
-        *(Planned(solver, case, "well", not slow) for case in well),
-        *(Planned(solver, case, "ill", not slow) for case in ill),
-    )
-
-
-SCALES = ("times 1e-12", "times 1e+12")
 SPANS = (
     "independent pictures", "nearly dependent at 1e-04", "nearly dependent at 1e-06", "nearly dependent at 1e-08",
     "nearly dependent at 1e-10", "nearly dependent at 1e-12", "nearly dependent at 1e-14", "dependent pictures",
@@ -36,7 +26,7 @@ SPANS = (
 )  # fmt: skip
 
 HARMONICS = (
-    *_rows(
+    *planned(
         "real_harmonics",
         (
             "order 2", "order 2, float32", "order 8, axes and poles", "order 8, 1e-04 from a pole",
@@ -45,7 +35,7 @@ HARMONICS = (
         ),
         ("vectors of 1e-12", "vectors of 1e+12", "vectors of 1e-310 (subnormal)", "NaN"),
     ),
-    *_rows(
+    *planned(
         "harmonic_images",
         (
             "albedo times 1e-12", "albedo times 1e+12", "albedo times 1e-300", "albedo times 1e+300",
@@ -56,7 +46,7 @@ HARMONICS = (
     ),
 )  # fmt: skip
 
-ROTATION = _rows(
+ROTATION = planned(
     "rotate",
     (
         "by nothing", "half a turn about x", "half a turn about y", "half a turn about z", "1e-04 about y",
@@ -68,7 +58,7 @@ ROTATION = _rows(
 )  # fmt: skip
 
 PROJECTION = (
-    *_rows(
+    *planned(
         "Subspace.distance",
         (
             *SPANS, "a photo in the span", "a photo 1e-05 off the span", "a photo of 1e-300", "a photo of 1e+300",
@@ -76,8 +66,8 @@ PROJECTION = (
         ),
         ("pictures of 1e+12 and 1e-12", "black pictures", "a black photo", "NaN"),
     ),
-    *_rows("Subspace.coefficients", SPANS, ("pictures of 1e-310 (subnormal)",)),
-    *_rows(
+    *planned("Subspace.coefficients", SPANS, ("pictures of 1e-310 (subnormal)",)),
+    *planned(
         "Subspace.restrict",
         ("half of the pixels", "as many pixels as pictures", "fewer pixels than pictures"),
         ("no pixel",),
@@ -85,7 +75,7 @@ PROJECTION = (
 )  # fmt: skip
 
 INVERSE_LIGHT = (
-    *_rows(
+    *planned(
         "estimate_light",
         (
             "all normals", "all normals, float32", "half of the sphere", *SCALES, "times 1e-100", "times 1e+100",
@@ -98,7 +88,7 @@ INVERSE_LIGHT = (
             "no albedo",
         ),
     ),
-    *_rows(
+    *planned(
         "nonnegative_light",
         ("six lamps", "two lamps 1e-02 apart", "two lamps 1e-04 apart", *SCALES, "a black photo"),
         ("two lamps 1e-08 apart", "one lamp twice", "an empty mask"),
@@ -106,7 +96,7 @@ INVERSE_LIGHT = (
 )  # fmt: skip
 
 KNOWN_LIGHTS = (
-    *_rows(
+    *planned(
         "scaled_normals",
         (
             "lamps along the axes", "any lamps", "lamps within 1e-02 of a plane", "lamps within 1e-04 of a plane",
@@ -118,7 +108,7 @@ KNOWN_LIGHTS = (
             "no photo to be used",
         ),
     ),
-    *_rows(
+    *planned(
         "plain_least_squares",
         (
             "any lamps", "lamps within 1e-04 of a plane", "lamps within 1e-08 of a plane",
@@ -127,21 +117,21 @@ KNOWN_LIGHTS = (
         ),
         ("lamps in a plane", "one lamp for all photos"),
     ),
-    *_rows(
+    *planned(
         "calibrated_stereo",
         ("any lamps", *SCALES, "times 1e-30", "times 1e+30", "float32", "shadows", "one pixel"),
         ("lamps within 1e-04 of a plane", "lamps in a plane", "black photos", "an empty mask", "NaN"),
     ),
-    *_rows("general_light_normals", ("any lights", *SCALES), ("one light for all photos",)),
+    *planned("general_light_normals", ("any lights", *SCALES), ("one light for all photos",)),
 )  # fmt: skip
 
-UNKNOWN_LIGHTS = _rows(
+UNKNOWN_LIGHTS = planned(
     "linear_factors",
     ("any lamps", *SCALES, "times 1e-100", "times 1e+100", "float32", "every photo twice"),
     ("lamps within 1e-05 of a plane", "lamps in a plane", "one lamp for all photos", "black photos", "two photos"),
 )
 
-FACTORS = _rows(
+FACTORS = planned(
     "leading_factors",
     (
         "a third value of 1e-01", "a third value of 1e-02", "a third value of 1e-04", "a third value of 1e-06",
@@ -155,7 +145,7 @@ FACTORS = _rows(
     ),
 )  # fmt: skip
 
-LIGHT_FIELD = _rows(
+LIGHT_FIELD = planned(
     "factor_light_field",
     ("any light", *SCALES, "times 1e-200", "times 1e+200", "light of degree 2 times 1e-04", "a BRDF of 1e-04 at l = 2"),
     (
@@ -165,7 +155,7 @@ LIGHT_FIELD = _rows(
 )  # fmt: skip
 
 DEPTH = (
-    *_rows(
+    *planned(
         "integrate_normals",
         (
             "a plane", "a plane, 256 x 256", "a plane, float32", "a plane in a ragged mask", "a plane in two parts",
@@ -175,7 +165,7 @@ DEPTH = (
         ),
         ("pixels that touch no other", "an empty mask", "a normal away from the camera", "NaN"),
     ),
-    *_rows(
+    *planned(
         "depth_from_steps",
         (
             "steps that disagree", "steps that disagree, weights from 1 to 1e-04",
@@ -186,7 +176,7 @@ DEPTH = (
 )  # fmt: skip
 
 SURFACES = (
-    *_rows(
+    *planned(
         "harmonic images",
         (
             "all normals equal (a wall)", "a mask of 9 pixels or fewer (9)", "a mask of 9 pixels or fewer (1)",
@@ -194,27 +184,27 @@ SURFACES = (
             "a mesh times 1000", "a mesh 1e+06 away from the origin", "float32 against float64",
         ),
     ),
-    *_rows(
+    *planned(
         "harmonic images with shadows",
         ("a mesh times 0.001", "a mesh times 1000", "a mesh 1e+06 away from the origin"),
     ),
-    *_rows(
+    *planned(
         "transport",
         (
             "all normals equal (a wall)", "a mask of 9 pixels or fewer (9)", "a mask of 9 pixels or fewer (1)",
             "float32 against float64",
         ),
     ),
-    *_rows(
+    *planned(
         "render",
         (
             "all normals equal (a wall)", "grazing normals (z from 0 to 1e-3)", "1e6 : 1 dynamic range, float64",
             "1e6 : 1 dynamic range, float32", "float32 against float64",
         ),
     ),
-    *_rows("normals", ("grazing depth", "a spike one pixel wide", "depth with steps and holes")),
-    *_rows("horizon", ("a spike one pixel wide", "depth with steps")),
-    *_rows(
+    *planned("normals", ("grazing depth", "a spike one pixel wide", "depth with steps and holes")),
+    *planned("horizon", ("a spike one pixel wide", "depth with steps")),
+    *planned(
         "horizons",
         (
             "a step times 1e-12", "a step times 1e+12", "a step times 1e-100", "a step times 1e+100",
@@ -225,7 +215,7 @@ SURFACES = (
     ),
 )  # fmt: skip
 
-PRINCIPAL = _rows(
+PRINCIPAL = planned(
     "analytic_pca",
     (
         "a ball", "a ball, float32", "albedo times 1e-12", "albedo times 1e+12", "albedo times 1e-100",
@@ -236,7 +226,7 @@ PRINCIPAL = _rows(
 )  # fmt: skip
 
 SEARCH = (
-    *_rows(
+    *planned(
         "search",
         (
             "a crowd", "sketches of float16", "people of 1 to 9 rows", "people of one row", "a photo in the span",
@@ -247,7 +237,7 @@ SEARCH = (
         ),
         ("rows not orthonormal", "a basis not orthonormal", "a black photo", "NaN"),
     ),
-    *_rows(
+    *planned(
         "bound",
         (
             "any person", "nothing left over", "everything left over", "a person within the basis",
@@ -255,50 +245,6 @@ SEARCH = (
         ),
     ),
 )  # fmt: skip
-
-HARMLESS_PHOTOGRAPHS = (
-    "nothing hard", "all lamps on a cone", "one lamp for half of the photographs", "every photograph twice",
-    "no shadows at all", "half the pixels in cast shadow", "saturated highlights", "broad saturated highlights",
-    "black patches, with noise", "black patches, without noise", "NaN outside the mask", "16 bits", "8 bits",
-    "8 bits, a twentieth of the range", *SCALES, "float32", "lamps of 1 : 100, told", "lamps of 1 : 100, not told",
-    "one image of another scene", "not registered by up to 1 pixel", "one image moved by 1 pixel", "skies",
-    "skies: one image of another scene",
-)  # fmt: skip
-HOPELESS_PHOTOGRAPHS = (
-    "two images only", "all lamps in a plane with the camera", "one lamp for all photographs", "NaN inside the mask",
-    "constant images", "black images", "nothing but noise", "skies: two images only",
-    "skies: one for all photographs",
-)  # fmt: skip
-EQUAL_LAMPS = ("equal lamps, told", "one image of another scene, equal lamps told")
-SKIES = ("skies", "skies: one image of another scene", "skies: two images only", "skies: one for all photographs")
-WITH_INTENSITIES = ("lamps of 1 : 100, told", "lamps of 1 : 100, said to be equal")
-HARD_PHOTOGRAPHS = (
-    "three images", "four images", "all lamps within a degree of a plane", "a planar object", "a mask of 9 pixels",
-    "one black image", "lamps of 1 : 100, said to be equal",
-)  # fmt: skip
-ALL_PHOTOGRAPHS = (*HARMLESS_PHOTOGRAPHS, *HARD_PHOTOGRAPHS, *HOPELESS_PHOTOGRAPHS, "lamps within 5 degrees")
-
-# Matte photographs under unknown lights are those of a whole family of surfaces (Belhumeur, Kriegman & Yuille, The
-# Bas-Relief Ambiguity, 1999): no unique answer, so that none of these rows is well-posed. This was corrected after the
-# first run: the plan had called the harmless ones well-posed, of which "one lamp for half of the photographs" and "half
-# the pixels in cast shadow" were refused. What is asked of their answers has not changed.
-PHOTOGRAPHS = (
-    *_rows(
-        "photometric_stereo, lights known",
-        (*HARMLESS_PHOTOGRAPHS, *HARD_PHOTOGRAPHS, "one direction wrong", "skies: four images"),
-        (*HOPELESS_PHOTOGRAPHS, "lamps within 5 degrees", "left and right confused in all"),
-    ),
-    *_rows(
-        "photometric_stereo, lamps unknown",
-        ill=[*(case for case in ALL_PHOTOGRAPHS if case not in SKIES), *EQUAL_LAMPS],
-        slow=True,
-    ),
-    *_rows(
-        "photometric_stereo, any light unknown",
-        ill=[case for case in ALL_PHOTOGRAPHS if case not in WITH_INTENSITIES],
-        slow=True,
-    ),
-)
 
 FAMILIES: dict[str, tuple[Planned, ...]] = {
     "harmonics": HARMONICS,

@@ -9,7 +9,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.appearance.principal import analytic_pca
-from harmonicface.bench.stability import exact
+from harmonicface.bench.stability import exact, exact_harmonics
 from harmonicface.bench.stability.inverse_light import spread
 from harmonicface.bench.stability.row import CONSTANT, Answers, Measured, Rows, named, unit
 from harmonicface.surfaces.surface import Surface
@@ -50,9 +50,9 @@ def _components(
     shades[::2] *= not black
     given = normals.astype(dtype)
     found = analytic_pca(Surface(given[None], shades[None], mask), wanted, ORDER)
-    pictures = exact.harmonic_pictures(given, shades)[1:]  # of degree 0 every lamp has as much
+    pictures = exact_harmonics.harmonic_pictures(given, shades)[1:]  # of degree 0 every lamp has as much
     values = exact.singular_values(pictures.astype(np.float64))
-    right = values**2 / (4 * exact.PI)
+    right = values**2 / (4 * exact_harmonics.PI)
     kept = len(found.variances)
     # what was left out must be rounding as well
     off = np.abs(np.pad(found.variances.astype(np.longdouble), (0, len(right) - kept)) - right).max() / right[0]

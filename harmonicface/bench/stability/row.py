@@ -16,7 +16,7 @@ an infinite one where the plan says that the problem is well-posed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -28,6 +28,7 @@ from harmonicface.bench.measure import Record
 CONSTANT = 100.0
 SURE = 3.0  # standard errors
 UNDERSTATED = 2.0  # how many times too small a condition may be said to be
+SCALES = ("times 1e-12", "times 1e+12")
 Verdict = Literal["right", "refused", "wrong"]
 Posed = Literal["well", "ill"]
 
@@ -53,6 +54,14 @@ class Planned:
     case: str
     posed: Posed
     quick: bool = True
+
+
+def planned(solver: str, well: Sequence[str] = (), ill: Sequence[str] = (), slow: bool = False) -> tuple[Planned, ...]:
+    """Return the rows of one solver."""
+    return (
+        *(Planned(solver, case, "well", not slow) for case in well),
+        *(Planned(solver, case, "ill", not slow) for case in ill),
+    )
 
 
 @dataclass(frozen=True)

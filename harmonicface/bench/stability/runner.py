@@ -11,6 +11,7 @@ from harmonicface.bench.measure import Record
 from harmonicface.bench.stability import (
     factorization,
     harmonics,
+    horizons,
     integration,
     inverse_light,
     photographs,
@@ -34,7 +35,7 @@ SOLVED_BY: dict[str, Callable[[], Answers]] = {
     "factorization of photographs": factorization.of_photographs,
     "factorization of light fields": factorization.of_light_fields,
     "integration": integration.of_integration,
-    "surfaces and transport": surfaces.of_surfaces,
+    "surfaces and transport": lambda: {**surfaces.of_surfaces(), **horizons.of_horizons()},
     "analytic principal components": principal.of_principal,
     "search": search.of_search,
     "photographs": photographs.of_photographs,
