@@ -91,7 +91,7 @@ def _questions(alone: Shelf, shelf: SharedShelf, units: Units, expected: list[Fo
             (ours.run(lambda: shelf.search(unit, top, distance)), peer.run(lambda: alone.search(unit, top, distance)))  # noqa: B023
             for unit in units
         ]
-        note = f"median of {len(units)} photographs; {WORKERS} workers beside one process, same machine"
+        note = f"median of {len(units)} photographs; alone, {_left([one for _, one in pairs], len(alone))}"
         yield record(
             f"single query, {question}, on workers",
             size,
@@ -134,6 +134,14 @@ def _killed(client: Client, shelf: SharedShelf, units: Units, expected: list[Fou
 def _asked(shelf: Shelf, units: Units) -> list[Found]:
     """Return the answers of one process."""
     return [shelf.search(unit) for unit in units]
+
+
+def _left(found: list[Found], people: int) -> str:
+    """Say how many people the bounds leave, in the mean."""
+    stages = max(len(one.survivors) for one in found)
+    counts = [one.survivors + one.survivors[-1:] * (stages - len(one.survivors)) for one in found]
+    shares = ", ".join(f"{100 * share / people:.2f}" for share in np.mean(counts, axis=0))
+    return f"{shares} % survive {stages} bounds, {np.mean([one.measured for one in found]):.1f} people are measured"
 
 
 def _differ(found: list[Found], expected: list[Found]) -> int:

@@ -210,6 +210,25 @@ def test_workers_enrol_as_this_process_does(client: Client, tmp_path: Path) -> N
         assert (one.source, one.frame.shape) == (other.source, (24, 24))
 
 
+@pytest.mark.parametrize("model", ["default", "harmonic9"])
+def test_a_gallery_that_is_opened_with_a_client(client: Client, tmp_path: Path, model: str) -> None:
+    people = [(str(number), hf.synthetic_person(number, 24)) for number in range(12)]
+    photographs = [hf.render(people[number][1], hf.lights.directional([number - 5, 2, 9])) for number in range(12)]
+    alone = hf.Gallery.create(tmp_path / "alone", model)
+    assert alone.enroll_many(people) == 12
+    hf.Gallery.create(tmp_path / "shared", model, mask=alone.mask)
+    shared = hf.Gallery.open(tmp_path / "shared", client=client)
+    assert shared.enroll_many(people) == 12
+    for number, photo in enumerate(photographs):
+        found, expected = shared.match(photo), alone.match(photo)
+        assert found.name == expected.name == str(number)
+        assert [(one.name, one.distance) for one in found.candidates] == [
+            (one.name, one.distance) for one in expected.candidates
+        ]
+    shared.remove("3")
+    assert "3" not in [one.name for one in shared.match(photographs[3], top=20).candidates]
+
+
 def test_a_client_is_one_of_dask() -> None:
     with pytest.raises(HarmonicFaceError, match=r"client: expected a client of dask.distributed, got SimpleNamespace"):
         threads_of(SimpleNamespace())
