@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import subspace_angles
 
 import harmonicface as hf
+from harmonicface.appearance.principal import analytic_pca
 from harmonicface.recognition.models import SUBSPACE_MODELS, TOLERANCE, subspace_model
 
 SURFACE = hf.synthetic_person(0, size=24)
@@ -44,6 +45,40 @@ def test_shadows_need_something_that_casts_them() -> None:
     flat = hf.Surface(SURFACE.normals, SURFACE.albedo, SURFACE.mask)
     with pytest.raises(hf.HarmonicFaceError, match="surface: expected depth, which casts the shadows, got a Surface"):
         subspace_model("harmonic_shadowed")(flat)
+
+
+@pytest.mark.parametrize(("name", "rank"), [("pca3", 3), ("pca5", 5), ("pca_auto", None)])
+def test_principal_pictures_span_the_components_of_lamps_in_front(name: str, rank: int | None) -> None:
+    found = analytic_pca(SURFACE, rank or 0.99, lights="frontal", centered=False)
+    pictures = subspace_model(name)(SURFACE)
+    assert pictures.shape == (25, len(ALBEDO))
+    for rows in (pictures, pictures.astype(np.float32)):  # no rounding passes for a picture
+        subspace = hf.Subspace.of(rows)
+        assert subspace.rank == len(found.variances)
+        assert subspace_angles(subspace.rows.T.astype(np.float64), found.components.T.astype(np.float64)).max() < 1e-4
+    assert (found.explained.sum() >= 0.99) == (name != "pca3")
+
+
+def test_principal_pictures_tell_the_light_as_the_components_do() -> None:
+    found = analytic_pca(SURFACE, 5, lights="frontal", centered=False)
+    photo = hf.render(SURFACE, hf.lights.directional([0.4, 0.3, 1.0]))
+    told = hf.Subspace.of(subspace_model("pca5")(SURFACE)).coefficients(photo[SURFACE.mask])
+    assert_allclose(told, found.light(found.transform(photo)).values, atol=1e-4)
+    relit = hf.render(SURFACE, told, order=4)
+    assert np.linalg.norm(relit - photo) < 0.05 * np.linalg.norm(photo)
+
+
+def test_a_gallery_of_principal_components_names_people_and_their_light() -> None:
+    people = list(hf.synthetic_people(3, 24, seed=1))
+    gallery = hf.Gallery(model="pca5")
+    for number, face in enumerate(people):
+        gallery.enroll(str(number), face)
+    photo = hf.render(people[1], hf.lights.directional([0.4, 0.3, 1.0]))
+    match = gallery.match(photo)
+    assert match.name == "1" and gallery.bytes_per_person == 5 * 24 * 24 * 4
+    assert match.light is not None and match.light.order == 4
+    relit = hf.render(people[1], match.light, order=4)
+    assert_allclose(np.linalg.norm(relit - photo) / np.linalg.norm(photo), match.distance, rtol=1e-3)
 
 
 @pytest.mark.parametrize("name", ["magic", "", "Harmonic9"])
