@@ -100,11 +100,15 @@ def _coefficients(pictures: Floats) -> Measured:
     span = Subspace.of(pictures)
     right = exact.longs(exact.least_squares(double.T, photo))
     condition = span.condition
-    # the photograph's part in the span, over what the combination can make at most (Trefethen & Bau, lecture 18)
     made = np.linalg.norm(exact.longs(exact.rationals(double)).T @ right)
-    reach = float(exact.singular_values(double)[0] * np.linalg.norm(right) / made)
-    spread = float(np.linalg.norm(photo) / made)
-    allowed = CONSTANT * max(1.0, spread / reach) * condition * max(SINGLE, unit(size, pictures.dtype))
+    # how far the combination falls short of what one of its size can make, and what it leaves of the photograph
+    # (Trefethen & Bau, lecture 18): rounded rows count the less the shorter it falls, rounded pictures with the
+    # condition and, if there is a rest, its square
+    short = float(exact.singular_values(double)[0] * np.linalg.norm(right) / made)
+    whole = float(np.linalg.norm(photo) / made)
+    rest = np.sqrt(max(whole**2 - 1, 0.0))
+    pictured = condition * (1 + condition * rest / short) * unit(size, pictures.dtype)
+    allowed = float(CONSTANT * (condition * whole / short * SINGLE + pictured))
     error = rounded(span.coefficients(photo), right).error
     return if_honest(Measured(error, allowed, condition, KEPT), exact.condition_of(double))
 
