@@ -18,8 +18,9 @@ from harmonicface.commands.options import AsJson
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.checkup import checkup, discard
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.gallery.inventory import Inventory, inventory, is_folder
+from harmonicface.gallery.inventory import Inventory, inventory
 from harmonicface.gallery.names import checked_name
+from harmonicface.gallery.paths import is_folder
 from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.io.files import alone_in
 from harmonicface.store.part import Damage

@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import layout, storage
 from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.inventory import is_folder
+from harmonicface.gallery.paths import is_folder
+from harmonicface.gallery.search.shared_basis import SharedBasis
+from harmonicface.gallery.sketch_check import check_sketch
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import NAME
 from harmonicface.store.part import Damage, Part
@@ -88,28 +91,50 @@ def _of_folder(path: Path, tell: Tell) -> tuple[Damage, ...]:
     if common is not None and common.file in {damage.file for damage in found}:
         return found
     about, lost = layout.About.read(version, str(path)), {key for damage in found for key in damage.keys}
-    return (*found, *_unfit(version, about, lost, tell))
+    try:
+        judge = _Judge.of(version, about)
+    except HarmonicFaceError as error:
+        return (*found, Damage(common.file if common else NAME, f"{path / NAME}: {error}", (), 0))
+    return (*found, *_unfit(version, judge, lost, tell))
 
 
-def _unfit(version: Version, about: layout.About, lost: set[str], tell: Tell) -> Iterator[Damage]:
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """What everybody in a gallery must fit."""
+
+    frame: Frame
+    by_score: bool
+    stops: tuple[int, ...]
+    basis: SharedBasis | None
+
+    @classmethod
+    def of(cls, version: Version, about: layout.About) -> _Judge:
+        """Return the judge of a version; raises if its shared basis is none."""
+        basis = SharedBasis(version.common[layout.BASIS]) if about.stops else None
+        return cls(Frame.of(version.common[layout.MASK]), about.rule().by_score, about.stops, basis)
+
+    def reason(self, part: Part, index: int) -> str | None:
+        """Say why somebody cannot be in the gallery; None if she can."""
+        try:
+            entry = part.entry(index)
+            layout.enrolled_from(entry, self.frame, self.by_score)
+            if self.basis is not None:
+                check_sketch(entry, entry.arrays[layout.ROWS], self.basis, self.stops)
+        except HarmonicFaceError as error:
+            return str(error)
+        return None
+
+
+def _unfit(version: Version, judge: _Judge, lost: set[str], tell: Tell) -> Iterator[Damage]:
     """Yield who is as she was written, but not what a gallery holds."""
-    frame, by_score, done = Frame.of(version.common[layout.MASK]), about.rule().by_score, 0
+    done = 0
     for part in version.parts:
         for index in part.indices.tolist():
             with suppress(HarmonicFaceError):  # who has no key has been told
                 key = part.key(index)
-                reason = None if key in lost else _reason(part, index, frame, by_score)
+                reason = None if key in lost else judge.reason(part, index)
                 if reason is not None:
                     yield Damage(part.listed.record.file, f"{part.shard.path}: {reason}", (key,), len(part))
         part.shard.forget()
         done += len(part)
         tell("people looked at", done, len(version))
-
-
-def _reason(part: Part, index: int, frame: Frame, by_score: bool) -> str | None:
-    """Say why somebody cannot be in a gallery; None if she can."""
-    try:
-        layout.enrolled_from(part.entry(index), frame, by_score)
-    except HarmonicFaceError as error:
-        return str(error)
-    return None

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.gallery import layout, storage
+from harmonicface.gallery.paths import is_folder
 from harmonicface.gallery.search.packing import DOUBTS
 from harmonicface.store.archive import read_about
 from harmonicface.store.manifest import NAME
@@ -115,14 +116,6 @@ def inventory(path: str | os.PathLike[str]) -> Inventory:
     """
     place = Path(path)
     return _of_folder(place, opened(place, {}, leave_out_damaged=True)) if is_folder(place) else _of_file(place)
-
-
-def is_folder(path: Path) -> bool:
-    """Tell whether a folder is there; a name that nothing can have is none."""
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
 
 
 def _of_folder(path: Path, version: Version) -> Inventory:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.layout import ROWS
-from harmonicface.gallery.search.packing import DEFECT, DOUBTS, Pack
+from harmonicface.gallery.search.packing import DEFECT, DOUBTS, FORM, LEVELS, NUMBERS, Pack
 from harmonicface.gallery.search.sketch import ORTHONORMAL
 from harmonicface.store.part import Part
 
@@ -36,7 +36,7 @@ class Section:
     Raises
     ------
     HarmonicFaceError
-        A damaged shard, or somebody without rows.
+        A damaged shard, somebody without rows, or a part of a sketch.
     """
 
     part: Part
@@ -46,6 +46,8 @@ class Section:
     def __post_init__(self) -> None:
         if not np.diff(self.starts(ROWS)).all():
             raise HarmonicFaceError(f"{self.part.shard.path}: expected rows of everybody, got somebody without any")
+        if not self._whole_sketches():
+            raise HarmonicFaceError(f"{self.part.shard.path}: expected whole sketches of rows, got a part of one")
 
     def __len__(self) -> int:
         return len(self.indices)
@@ -125,6 +127,15 @@ class Section:
             if not np.isfinite(found).all():
                 raise HarmonicFaceError(f"{self.part.shard.path}: expected finite rows, got NaN or infinity in some")
             yield some, found
+
+    def _whole_sketches(self) -> bool:
+        """Tell whether everybody in the shard has all of a sketch or nothing; others' would be read in its place."""
+        names = [name for name in self.part.shard.kinds if name.startswith("sketch_")]
+        stages = sum(name.startswith(NUMBERS) for name in names)
+        of_all = {FORM: 1, LEVELS: stages + 1, DOUBTS: stages + 1, DEFECT: 1}
+        ranks = np.diff(self.starts(ROWS))
+        counts = {name: np.diff(self.starts(name)) for name in names}
+        return all((counts[name] == np.where(counts[DOUBTS] > 0, of_all.get(name, ranks), 0)).all() for name in names)
 
     def _blocks(self, starts: NDArray[np.int64], array: NDArray[Any]) -> Iterator[slice]:
         """Yield slices of the people whose rows, with those of removed people between them, are one block."""

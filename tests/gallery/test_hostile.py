@@ -25,6 +25,7 @@ from harmonicface.store.batch import Batch
 from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import NAME, write_manifest
+from harmonicface.store.tensors import packed
 
 NAMES = ("ada", "emmy", "sofia")
 PEOPLE = dict(zip(NAMES, hf.synthetic_people(len(NAMES), 24, seed=1), strict=True))
@@ -32,13 +33,15 @@ PHOTO = hf.render(PEOPLE["emmy"], hf.lights.directional([1, 1, 2]))
 Attack = Callable[[Path], None]
 
 
-@pytest.fixture(scope="module", params=["default", "harmonic9"])
+@pytest.fixture(scope="module", params=["default", "harmonic9", "with an index"])
 def whole(request, tmp_path_factory) -> Path:
     """Return a gallery of three people, which is to be copied."""
     path = tmp_path_factory.mktemp("galleries") / request.param
-    gallery = hf.Gallery.create(path, request.param)
+    gallery = hf.Gallery.create(path, "harmonic9" if request.param == "with an index" else request.param)
     for name, person in PEOPLE.items():
         gallery.enroll(name, person)
+    if request.param == "with an index":
+        gallery.index()
     return path
 
 
@@ -157,7 +160,7 @@ ATTACKS: dict[str, Attack] = {
     "a mask of one row": lambda path: common(path, mask=np.ones(576, np.bool_)),
     "a mask of other pixels": lambda path: common(path, mask=np.eye(24, dtype=np.bool_)),
     "an empty mask": lambda path: common(path, mask=np.zeros((24, 24), np.bool_)),
-    "more arrays": lambda path: common(path, basis=np.eye(3, 576)),
+    "more arrays": lambda path: common(path, more=np.eye(3, 576)),
     "NaN in rows": lambda path: replaced(path, "emmy", rows=lambda rows: rows * np.float32(np.nan)),
     "infinity in rows": lambda path: replaced(path, "emmy", rows=lambda rows: np.full_like(rows, np.inf)),
     "long rows": lambda path: replaced(path, "emmy", rows=lambda rows: rows * np.float32(1.01)),
@@ -183,6 +186,44 @@ ATTACKS: dict[str, Attack] = {
 }
 
 
+INDEX_ATTACKS: dict[str, Attack] = {
+    "NaN in the basis": lambda path: forged_basis(path, lambda basis: basis * np.nan),
+    "a basis that is not orthonormal": lambda path: forged_basis(path, lambda basis: 1.01 * basis),
+    "a basis of other pixels": lambda path: forged_basis(path, lambda basis: basis[:, :-1]),
+    "a basis of fewer rows": lambda path: forged_basis(path, lambda basis: basis[:-1]),
+    "a basis of float32": lambda path: forged_basis(path, lambda basis: basis.astype(np.float32)),
+    "NaN in a sketch": lambda path: replaced(path, "emmy", sketch_form=lambda form: form * np.float32(np.nan)),
+    "NaN in the doubts": lambda path: replaced(path, "emmy", sketch_doubts=lambda doubts: doubts * np.float32(np.nan)),
+    "a defect without end": lambda path: replaced(path, "emmy", sketch_defect=lambda defect: defect + 1e300),
+    "two forms": lambda path: replaced(path, "emmy", sketch_form=lambda form: np.tile(form, (2, 1))),
+    "two forms of one, none of the other": lambda path: shifted(path),
+    "a sketch of fewer rows": lambda path: replaced(path, "ada", sketch_numbers_0=lambda numbers: numbers[:-1]),
+    "no levels": lambda path: replaced(path, "ada", sketch_levels=lambda levels: levels[:0]),
+}
+
+
+def forged_basis(path: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
+    version = ArrayFolder(path).version()
+    basis = np.ascontiguousarray(change(version.common["basis"]))
+    content = packed({**version.common, "basis": basis}, {"format": "harmonicface common", "version": "1"})
+    said = version.manifest.common
+    (path / said.file).write_bytes(content)
+    head = content[: 8 + int.from_bytes(content[:8], "little")]
+    digests = {"digest": hashlib.sha256(content).hexdigest(), "header": hashlib.sha256(head).hexdigest()}
+    rewrite(path, lambda manifest: manifest["common"].update(nbytes=len(content), **digests))
+
+
+def shifted(path: Path) -> None:
+    """Let one person of a shard have two forms and another none, so that all in all there are enough."""
+    folder = ArrayFolder(path)
+    entries = [folder.version().entry(name) for name in ("ada", "emmy")]
+    forms = np.concatenate([entry.arrays["sketch_form"].copy() for entry in entries])
+    for entry, some in zip(entries, (forms, forms[:0]), strict=True):
+        arrays = {**entry.arrays, "sketch_form": some}
+        folder.remove(entry.key)
+        put(path, dataclasses.replace(entry, arrays={name: array.copy() for name, array in arrays.items()}))
+
+
 def unknown_source(path: Path) -> None:
     folder = ArrayFolder(path)
     entry = folder.version().entry("emmy")
@@ -196,8 +237,8 @@ def named(path: Path, name: str) -> None:
     put(path, dataclasses.replace(entry, key=name))
 
 
-@pytest.mark.parametrize("attack", ATTACKS.values(), ids=list(ATTACKS))
-def test_it_is_refused_in_one_line_or_answered_rightly(path, attack) -> None:
+def attacked(path: Path, attack: Attack) -> None:
+    """Attack a gallery: it is refused in one line or answers rightly, and a checkup tells of it."""
     attack(path)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with warnings.catch_warnings(record=True) as warned:
@@ -211,16 +252,32 @@ def test_it_is_refused_in_one_line_or_answered_rightly(path, attack) -> None:
         else:
             assert match.name in ("emmy", None)
             assert np.isfinite([one.distance for one in match.candidates]).all()
-    assert all("\n" not in str(one.message) for one in warned)
+    assert all(one.category is UserWarning and "\n" not in str(one.message) for one in warned)
+    found = checkup(path)
+    assert found
+    assert all("\n" not in damage.reason and len(damage.reason) < 1000 for damage in found)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # KiB
 
 
 @pytest.mark.parametrize("attack", ATTACKS.values(), ids=list(ATTACKS))
-def test_a_checkup_tells_of_it(path, attack) -> None:
-    attack(path)
-    found = checkup(path)
-    assert found
-    assert all("\n" not in damage.reason and len(damage.reason) < 1000 for damage in found)
+def test_it_is_refused_in_one_line_or_answered_rightly(path, attack) -> None:
+    attacked(path, attack)
+
+
+@pytest.mark.parametrize("whole", ["with an index"], indirect=True)
+@pytest.mark.parametrize("attack", INDEX_ATTACKS.values(), ids=list(INDEX_ATTACKS))
+def test_an_index_is_refused_in_one_line_or_answers_rightly(path, attack) -> None:
+    attacked(path, attack)
+
+
+@pytest.mark.parametrize("whole", ["with an index"], indirect=True)
+def test_a_sketch_of_somebody_else_is_found(path) -> None:
+    version = ArrayFolder(path).version()
+    others = {name: array for name, array in version.entry("ada").arrays.items() if name.startswith("sketch_")}
+    replaced(path, "emmy", **{name: lambda _, array=array: array.copy() for name, array in others.items()})
+    (damage,) = checkup(path)
+    assert damage.keys == ("emmy",)
+    assert "expected a sketch of her rows, got another one" in damage.reason
 
 
 def test_what_they_attack_is_well(path) -> None:

@@ -61,3 +61,15 @@ def test_somebody_without_rows_is_refused(tmp_path: Path) -> None:
     folder = made(tmp_path / "folder", [np.empty((0, PIXELS), np.float32)], (0,))
     with pytest.raises(HarmonicFaceError, match="got somebody without any"):
         Section(folder.version().parts[0], np.array([0]), 0)
+
+
+@pytest.mark.parametrize("name", ["sketch_form", "sketch_levels", "sketch_doubts", "sketch_defect", "sketch_numbers_0"])
+def test_parts_of_sketches_are_refused(tmp_path: Path, name: str) -> None:
+    person = drawn(9, "float32")
+    folder = made(tmp_path / "folder", [])
+    whole = packed(sketch(person, BASIS, STOPS)) | {"rows": person}
+    for some in (whole[name][:0], np.concatenate([whole[name]] * 2)):
+        folder.append([Entry("ada", whole | {name: some})])
+        with pytest.raises(HarmonicFaceError, match="expected whole sketches of rows, got a part of one"):
+            Section(folder.version().parts[0], np.array([0]), 0)
+        folder.remove("ada")
