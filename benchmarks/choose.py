@@ -1,4 +1,4 @@
-"""Is the model that is chosen the right one? Predicted errors beside those of exact pictures, over random scenes.
+"""Is the model that is chosen the right one? Predicted errors beside those of exact pictures, and a gallery of them.
 
 python benchmarks/choose.py [--quick] [--json FILE]
 
@@ -7,13 +7,14 @@ of lights, a noise and a tolerance, drawn at random. `choose_model` sees the sur
 predicts is then measured: exact pictures under lamps in 1,152 directions (clamped cosines; hard shadows cast by rays or
 horizons, `render`), added up to pictures under the lights, with noise, fitted by each candidate's images. No setting of
 the package was chosen on these people, views, crops, albedos and draws of light; they were chosen on others of them.
+
+Then galleries that keep the chosen pictures of each person, beside the nine harmonic images and others.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -27,6 +28,7 @@ import harmonicface as hf
 from harmonicface.appearance.choose import ModelChoice, choose_model
 from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.measure import Record
+from harmonicface.bench.timing import Stopwatch, Timing, record
 from harmonicface.lighting.layouts import layout_named
 from harmonicface.lighting.sources import DirectionalLights
 from harmonicface.surfaces.blockers import MeshBlocker
@@ -77,7 +79,6 @@ class Scene:
     name: str
     choice: ModelChoice
     measured: dict[str, float]
-    seconds: float
 
     @property
     def right(self) -> bool:
@@ -255,7 +256,7 @@ def measured(choice: ModelChoice, surface: hf.Surface, pictures: Array, light: L
     return found
 
 
-def scenes(count: int, quick: bool) -> Iterator[Scene]:
+def scenes(count: int, quick: bool, watch: Stopwatch) -> Iterator[Scene]:
     """Ask about random scenes and measure the answers."""
     rng = np.random.default_rng(SEED)
     known = [pictured(name, cast, coat, white(make())) for name, cast, coat, make in shapes(quick)]
@@ -265,13 +266,12 @@ def scenes(count: int, quick: bool) -> Iterator[Scene]:
         surface, pictures = coloured(shape, rng)
         noise = 0.0 if rng.uniform() < 0.4 else float(10 ** rng.uniform(-2.5, -1))
         tolerance = float(10 ** rng.uniform(-2.2, -0.7))
-        start = time.perf_counter()
-        choice = choose_model(surface, light.told, tolerance, noise, shadows=shape.shadows, material=shape.material)
-        seconds = time.perf_counter() - start
+        ask = partial(choose_model, surface, light.told, tolerance, noise)
+        choice = watch.run(partial(ask, shadows=shape.shadows, material=shape.material))
         found = measured(choice, surface, pictures, light, noise, rng)
         if shape.shadows:
             shape.surface.transports.update(surface.transports)
-        yield Scene(f"{shape.name}, {light.name}", choice, found, seconds)
+        yield Scene(f"{shape.name}, {light.name}", choice, found)
 
 
 def agreement(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, float]:
@@ -281,11 +281,9 @@ def agreement(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, float
     return float(np.polyfit(predicted, found, 1)[0]), float(np.median(ratio)), float(np.percentile(ratio, 95))
 
 
-def records(quick: bool) -> Iterator[Record]:
+def choice_records(found: Sequence[Scene], watch: Stopwatch) -> Iterator[Record]:
     """Yield the agreement of predictions, and how often the choice is right."""
-    found = list(scenes(QUICK if quick else SCENES, quick))
-    size = f"{len(found)} scenes"
-    seconds = float(np.median([scene.seconds for scene in found]))
+    made = partial(record, size=f"{len(found)} scenes", ours=watch.timing(), question="")
     for name, chosen in (("predicted error of the chosen model", True), ("predicted error of all candidates", False)):
         pairs = [
             (row.error.total, scene.measured[row.name])
@@ -294,17 +292,56 @@ def records(quick: bool) -> Iterator[Record]:
             if not chosen or row.name == scene.choice.name
         ]
         slope, ratio, worst = agreement(pairs)
-        note = f"slope {slope:.3f}, ratio of larger to smaller {ratio:.3f} at the median, {worst:.3f} at 95 %"
-        yield Record(name, size, seconds, error=ratio - 1, note=note)
+        note = f"slope of the logarithms {slope:.3f}; ratio, larger to smaller, {ratio:.3f} at the median, "
+        note += f"{worst:.3f} at 95 %"
+        yield made(name, error=ratio - 1, unit="median ratio of measured and predicted, less 1", note=note)
     met = [scene for scene in found if scene.choice.meets]
-    wrong = 1 - np.mean([scene.right for scene in met])
-    waste = np.mean([scene.wasteful for scene in found])
     refused = [scene for scene in found if not scene.choice.meets]
+    wrong, waste = 1 - np.mean([scene.right for scene in met]), np.mean([scene.wasteful for scene in found])
     note = f"of {len(met)} in which a model is said to meet the tolerance, {100 * (1 - wrong):.1f} % do"
     note += f"; of {len(refused)} in which none is, {sum(scene.right for scene in refused)} have none"
-    yield Record("the chosen model meets the tolerance", size, seconds, error=float(wrong), note=note)
-    note = f"a cheaper one would have done in {100 * waste:.1f} %"
-    yield Record("no cheaper model meets it", size, seconds, error=float(waste), note=note)
+    yield made("the chosen model meets the tolerance", error=float(wrong), unit="share of scenes", note=note)
+    note = f"in {100 * waste:.1f} % a model with fewer rows would have done"
+    yield made("no cheaper model meets it", error=float(waste), unit="share of scenes", note=note)
+
+
+def gallery_records(count: int) -> Iterator[Record]:
+    """Yield time, memory and errors of galleries that keep more or less of each person, under natural light."""
+    people = list(hf.synthetic_people(count, 64, SEED))
+    rng = np.random.default_rng(SEED)
+    asked = [(number, hf.lights.natural(rng)) for number in range(count) for _ in range(2)]
+    photos = [hf.photograph(hf.render(people[number], light), rng, noise=0.01) for number, light in asked]
+    known: dict[str, tuple[float, Timing, float]] = {}
+    for model in ("harmonic9", "auto", "pca_auto", "pca5", "pca3", "ambient4", "linear3"):
+        gallery, watch, wrong = hf.Gallery(model=model), Stopwatch(hf.Gallery.match, about=model), 0
+        for number, person in enumerate(people):
+            gallery.enroll(str(number), person)
+        for (number, _), photo in zip(asked, photos, strict=True):
+            match = watch.run(partial(gallery.match, photo, top=1))
+            wrong += match.candidates[0].name != str(number)
+        known[model] = 100 * wrong / len(asked), watch.timing(), gallery.bytes_per_person
+        errors, timing, size = known[model]
+        nine = known["harmonic9"]
+        yield record(
+            f"{model}: who is it, natural light",
+            f"{count} people 64x64",
+            timing,
+            None if model == "harmonic9" else nine[1],
+            error=errors,
+            unit="% given to the wrong person",
+            peer_error=None if model == "harmonic9" else nine[0],
+            bytes=int(size),
+            question="who is it, natural light",
+            note=f"{100 * size / nine[2]:.0f} % of the nine images' memory, "
+            f"{100 * timing.seconds / nine[1].seconds:.0f} % of their time",
+        )
+
+
+def records(quick: bool) -> Iterator[Record]:
+    """Yield all records."""
+    watch = Stopwatch(choose_model)
+    yield from choice_records(list(scenes(QUICK if quick else SCENES, quick, watch)), watch)
+    yield from gallery_records(60 if quick else 500)
 
 
 if __name__ == "__main__":
