@@ -39,7 +39,7 @@ class Index:
         """Learn a shared basis.
 
         A row counts by the energy of pictures along it, the square of the singular value that it was made from, as
-        `to_coefficients` tells. Memory: the rows of the sample three times, 36 KB a row of 64 x 64 pixels.
+        `to_coefficients` tells. Memory: about five times the rows of the sample.
 
         Parameters
         ----------

@@ -193,7 +193,10 @@ class PeopleInFolder(People):
     def index(self) -> Index | None:
         """The shared basis that was learned of them, if one was; it is read when it is first asked for."""
         if self._index is None and self.about.stops:
-            basis = SharedBasis(self.version.common[BASIS])
+            try:
+                basis = SharedBasis(self.version.common[BASIS])
+            except HarmonicFaceError as error:
+                raise HarmonicFaceError(f"{self.path!s:.300}, basis: {error}") from None
             self._index = Index(basis, self.about.stops, self.about.sample)
         return self._index
 

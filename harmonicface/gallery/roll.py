@@ -148,7 +148,7 @@ class Roll:
         Parameters
         ----------
         people
-            How many the sample has, at least 1. Memory: three times their rows.
+            How many the sample has, at least 1. Memory: about five times their rows.
         seed
             Of the sample and of a randomized factorization, at least 0.
 

@@ -126,7 +126,7 @@ def test_no_gallery() -> None:
 def test_a_folder(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     assert refused(tmp_path).endswith("got a folder that is none")
-    with pytest.raises(hf.HarmonicFaceError, match="cannot make the folder .*: Directory not empty"):
+    with pytest.raises(hf.HarmonicFaceError, match=r"cannot make the folder .*: Directory not empty"):
         small_gallery().save(tmp_path)
     with pytest.raises(hf.HarmonicFaceError, match=r"save: expected a new path or a gallery's, got .*of another kind"):
         small_gallery().save(tmp_path / "notes.txt")
