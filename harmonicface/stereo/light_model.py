@@ -54,6 +54,10 @@ def choose_light_model(pixels: Floats, mask: Mask, noise: float | None = None) -
     than any surface does. Where none explains them, as with cast shadows, it is lamps if 3 % of all observations
     are black, otherwise the largest model for which there are photographs.
 
+    The names are those of `appearance.choose.choose_model`, and so is the rule, the cheapest that meets a tolerance. Of
+    a known Surface it predicts the errors; here the Surface is what is asked for, the errors are measured, and the
+    tolerance is the noise.
+
     Parameters
     ----------
     pixels
