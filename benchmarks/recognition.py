@@ -47,7 +47,7 @@ def curve_records(points: Sequence[CurvePoint], people: int) -> list[Record]:
                 error=100 * ours.error.value,
                 peer_error=100 * peer.error.value,
                 unit=WRONG,
-                question="photographs that get worse",
+                question=ordeal,
                 note=f"{ours.error}{unseen}; {others}",
             )
         )

@@ -31,7 +31,7 @@ def place_labels(
     axis
         Drawn already, so that its points are where they stay.
     labels
-        Points in data coordinates, texts, and whether they stand out.
+        Points in data coordinates, texts, and whether they stand out; points without a text are only kept clear of.
     line
         Corners, in data coordinates, of a line that no label shall cover; its pieces go across or up.
     size
@@ -47,6 +47,8 @@ def place_labels(
     inside = axis.get_window_extent()
     inside = Bbox.from_extents(inside.x0, inside.y0, axis.figure.bbox.x1 - 4, inside.y1)
     for mark, (across, up, text, strong) in zip(marks, labels, strict=True):
+        if not text:
+            continue
         colour = ACCENT if strong else INK if len(text) > 3 else MUTED
         written = axis.annotate(
             text, (across, up), xytext=(0, 0), textcoords="offset points", color=colour, va="center",

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,6 +20,7 @@ from harmonicface.bench.measure import Record
 from harmonicface.bench.spelling import spelled_seconds
 
 ALL_NAMED = 12  # points up to which everything is named, and not the front alone
+ACROSS = 56  # letters of a line along the upright axis
 ALL_NUMBERED = 45  # points up to which everything has at least the number of its row
 
 
@@ -83,8 +85,8 @@ def short(name: str) -> str:
     >>> short("scipy.optimize.nnls, on all pixels"), short("harmonicface.reflectance.brdf.Phong.__call__")
     ('optimize.nnls, on all pixels', 'Phong.__call__')
     """
-    function, comma, about = name.partition(",")
-    return ".".join(function.split(".")[-2:]) + comma + about
+    functions, comma, about = name.partition(",")
+    return " + ".join(".".join(one.split(".")[-2:]) for one in functions.split(" + ")) + comma + about
 
 
 def pareto_front(points: Sequence[Point]) -> list[Point]:
@@ -132,17 +134,17 @@ def speed_error_picture(points: Sequence[Point], unit: str = "", time: str = "ti
         if point.low is not None and point.high is not None:
             ends = [max(point.low, floor), max(point.high, floor)]
             axis.plot([point.seconds] * 2, ends, color=colour, alpha=0.3, zorder=1)
-        fill = colour if point.ours else "white"
-        axis.plot(point.seconds, point.error or floor, "o" if point.ours else "s", color=colour, markersize=7, mfc=fill)
+        shape, inside = ("o", colour) if point.ours else ("s", "white")
+        axis.plot(point.seconds, point.error or floor, shape, color=colour, markersize=7, mfc=inside)
     axis.set_xlabel(f"{time} (log)", color=INK)
-    axis.set_ylabel(f"error, {unit} (log)" if unit else "error (log)", color=INK)
+    axis.set_ylabel(fill(f"error, {unit} (log)" if unit else "error (log)", ACROSS), color=INK)
     _legend(axis, points)
     figure.draw_without_rendering()  # labels are placed where the layout puts the points
     named = points if len(points) <= ALL_NAMED else front
+    numbered = len(points) <= ALL_NUMBERED
     labels = [
-        (point.seconds, point.error or floor, _label(point, point in named), point.ours and point in named)
+        (point.seconds, point.error or floor, _label(point, point in named, numbered), point.ours and point in named)
         for point in sorted(points, key=lambda one: one not in front)
-        if point in named or (point.number and len(points) <= ALL_NUMBERED)
     ]
     steps = [corner for one, two in pairwise(front) for corner in _step(one, two, floor)]
     place_labels(axis, labels, steps)
@@ -211,8 +213,8 @@ def _legend(axis: Axes, points: Sequence[Point]) -> None:
     axis.figure.legend(loc="outside upper right", ncols=3, fontsize=9, frameon=False, labelcolor=INK)
 
 
-def _label(point: Point, named: bool) -> str:
-    """Return the number, and the name where it is wanted."""
+def _label(point: Point, named: bool, numbered: bool) -> str:
+    """Return the number and the name, where they are wanted."""
     name = point.name if len(point.name) <= 46 else f"{point.name[:44]}…"
     number = str(point.number) if point.number else ""
-    return " ".join(part for part in (number, name) if part) if named else number
+    return f"{number} {name}".strip() if named else number if numbered else ""

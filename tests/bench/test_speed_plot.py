@@ -78,6 +78,7 @@ def test_a_peer_without_an_error_is_no_point() -> None:
 
 def test_short_names() -> None:
     assert short("sum") == "sum"
+    assert short("a.b.c + d.e.f, both") == "b.c + e.f, both"
     assert short("scipy.optimize.nnls, on all. pixels") == "optimize.nnls, on all. pixels"
 
 
@@ -139,4 +140,16 @@ def test_names_cover_neither_each_other_nor_points_nor_the_line(count: int) -> N
 def test_no_points_need_no_names() -> None:
     axis = Figure().add_subplot()
     place_labels(axis, [])
+    place_labels(axis, [(0.5, 0.5, "", False)])
     assert not axis.texts
+
+
+def test_names_keep_clear_of_points_without_names() -> None:
+    figure = Figure(figsize=(8, 5))
+    FigureCanvasAgg(figure)
+    axis = figure.add_subplot()
+    figure.draw_without_rendering()
+    beside = [(0.3 + 0.01 * number, 0.5, "", False) for number in range(30)]
+    place_labels(axis, [(0.3, 0.5, "a name", True), *beside])
+    box = axis.texts[0].get_window_extent()
+    assert not any(box.contains(*axis.transData.transform(one[:2])) for one in beside)
