@@ -165,6 +165,15 @@ DEPTH = (
         ),
         ("pixels that touch no other", "an empty mask", "a normal away from the camera", "NaN"),
     ),
+    *planned(  # added after the first run, before these rows were run
+        "integrate_perspective",
+        (
+            "a plane", "a plane, float32", "a plane in a ragged mask", "a distance of 1e-12", "a distance of 1e+12",
+            "a distance of 1e-300", "a distance of 1e+300", "trust from 1 to 1e-08", "trust of 1e-300",
+            "trust of 1e+300",
+        ),
+        ("an empty mask",),
+    ),
     *planned(
         "depth_from_steps",
         (
@@ -194,6 +203,10 @@ SURFACES = (
             "all normals equal (a wall)", "a mask of 9 pixels or fewer (9)", "a mask of 9 pixels or fewer (1)",
             "float32 against float64",
         ),
+    ),
+    *planned(  # added after the first run, before these rows were run
+        "transport of a ball",
+        ("times 1e-12", "times 1e+12", "times 1e-100", "times 1e+100", "upon a height of 1e+06"),
     ),
     *planned(
         "render",
