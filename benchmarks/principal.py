@@ -76,15 +76,16 @@ def records(quick: bool) -> Iterator[Record]:
 def variances(name: str, surface: hf.Surface, lights: str, pictures: int) -> Iterator[Record]:
     """Compare the analytic variances of each order with those of rendered pictures."""
     size = f"{name} {surface.shape[0]} x {surface.shape[1]}, lamps {WHERE[lights]}"
+    ways = [partial(analytic_pca, surface, order=order, lights=lights) for order in ORDERS]
+    ours = [best(way) for way in ways]  # first: threads of large products are awake for a while after them
     theirs, rendered = once(partial(empirical_pca, surface, lights=lights, pictures=pictures))
-    for order in ORDERS:
-        asked = partial(analytic_pca, surface, order=order, lights=lights)
-        found = asked()
+    for order, way, mine in zip(ORDERS, ways, ours, strict=True):
+        found = way()
         known = (lights, name, order) == ("sphere", "LeePerrySmith", 4)
         yield record(
             f"first five variances, order {order}",
             size,
-            best(asked),
+            mine,
             theirs,
             error=float(np.abs(found.variances / rendered.variances - 1).max()),
             unit=WORST,
@@ -103,7 +104,7 @@ def shares(found: PrincipalComponents) -> str:
 def routes(surface: hf.Surface, pictures: int) -> Iterator[Record]:
     """Compare the time with that of decomposing pictures that are rendered already, by the cheapest way and plainly."""
     ours = partial(analytic_pca, surface)
-    found = ours()
+    found, mine = ours(), best(ours, 20)
     rendered = weighted_pictures(surface, pictures)
     whole, _ = once(partial(empirical_pca, surface, pictures=pictures))
     gram, svd_alone = partial(by_gram, rendered), partial(by_svd, rendered)
@@ -119,7 +120,7 @@ def routes(surface: hf.Surface, pictures: int) -> Iterator[Record]:
         yield record(
             f"five components, beside {name}",
             f"{len(rendered)} pictures {surface.shape[0]} x {surface.shape[1]}, {surface.mask.sum()} pixels",
-            best(ours, 20),
+            mine,
             theirs,
             error=float(np.abs(found.variances / exact - 1).max()),
             unit=WORST,

@@ -52,7 +52,7 @@ def test_the_analytic_twin(lights: str | list[float]) -> None:
 
 
 def test_given_lights_are_rendered_one_by_one() -> None:
-    lights = [hf.lights.natural(seed, size=8) for seed in range(4)] + [hf.lights.directional([1, 0, 1], [1, 0.5, 0.2])]
+    lights = [hf.lights.natural(seed) for seed in range(4)] + [hf.lights.directional([1, 0, 1], [1, 0.5, 0.2])]
     rendered, analytic = empirical_pca(DOUBLE, 3, 12, lights), analytic_pca(DOUBLE, 3, 12, lights)
     assert_allclose(rendered.variances, analytic.variances, rtol=0.005)
     assert_allclose(rendered.mean_light, analytic.mean_light, atol=1e-12)
