@@ -55,6 +55,8 @@ def make_whole(
         Something is there.
     """
     target = Path(path)
+    with suppress(OSError, ValueError):  # of a name that nothing can have, making it says so
+        target = target.resolve()  # an empty folder may be elsewhere, behind a link
     with _beside(target) as temporary:
         folder = ArrayFolder.create(temporary, kinds, about, common)
         folder.append(entries)
@@ -64,7 +66,7 @@ def make_whole(
             taken = error.errno in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR)
             refused = TakenError if taken else HarmonicFaceError
             raise refused(f"cannot make the folder {target!s:.300}: {error.strerror or error}") from None
-        writing.make_durable(target.resolve().parent)
+    writing.make_durable(target.parent)
 
 
 @contextmanager

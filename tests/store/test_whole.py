@@ -37,6 +37,28 @@ def test_everything_is_there(tmp_path: Path) -> None:
     assert [one.name for one in tmp_path.iterdir()] == ["people"]
 
 
+def test_an_empty_folder_behind_a_link(tmp_path: Path) -> None:
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "disk" / "empty").mkdir()
+    (tmp_path / "people").symlink_to(tmp_path / "disk" / "empty")
+    assert made(tmp_path / "people", "a").version().keys == ("a",)
+    assert (tmp_path / "people").is_symlink()
+    assert [one.name for one in (tmp_path / "disk").iterdir()] == ["empty"]
+
+
+def test_nothing_is_beside_it_when_it_is_made_durable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real, seen = os.fsync, []
+
+    def noted(handle: int) -> None:
+        real(handle)
+        if os.fstat(handle).st_ino == tmp_path.stat().st_ino:
+            seen.append([one.name for one in tmp_path.iterdir()])
+
+    monkeypatch.setattr(os, "fsync", noted)
+    made(tmp_path / "people", "a")
+    assert seen[-1] == ["people"]
+
+
 def test_what_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
     def interrupted() -> Iterator[Entry]:
         yield entry("a")
