@@ -13,6 +13,7 @@ from harmonicface._validate import Floats
 from harmonicface.bench.stability import exact
 from harmonicface.bench.stability.row import Answers, Measured, Rows, named, rounded
 from harmonicface.stereo.depth.integration import depth_from_steps, integrate_normals
+from harmonicface.stereo.depth.perspective_integration import integrate_perspective
 
 SIDE = 20
 SHAPE = (4, 5)  # of steps that disagree, whose equations are solved in fractions
@@ -23,7 +24,11 @@ Mask = NDArray[np.bool_]
 
 def of_integration() -> Answers:
     """Return a function for each row."""
-    return {**named("integrate_normals", _of_normals()), **named("depth_from_steps", _of_steps())}
+    return {
+        **named("integrate_normals", _of_normals()),
+        **named("integrate_perspective", _of_pinhole()),
+        **named("depth_from_steps", _of_steps()),
+    }
 
 
 def _of_normals() -> Rows:
@@ -60,7 +65,7 @@ def _of_normals() -> Rows:
 def _ragged() -> Mask:
     """Return a disc with slits, in one piece."""
     rows, columns = np.indices((SIDE, SIDE)) - SIDE / 2 + 0.5
-    slits = (np.arange(SIDE) % 4 == 1) & (rows < SIDE / 4)
+    slits = (np.arange(SIDE) % 4 == 1) & (rows < SIDE / 10)
     return np.asarray((rows**2 + columns**2 < 0.9 * SIDE**2 / 4) & ~slits)
 
 
@@ -79,6 +84,43 @@ def _plane(
     for part in range(1, count + 1):
         right[parts == part] -= right[parts == part].mean()
     return rounded(found[mask], right[mask], _condition(mask, trust), note=POISSON)
+
+
+def _of_pinhole() -> Rows:
+    everywhere = np.ones((SIDE, SIDE), bool)
+    rows: Rows = {"a plane": partial(_before_a_pinhole, everywhere)}
+    rows["a plane, float32"] = partial(_before_a_pinhole, everywhere, dtype=np.float32)
+    rows["a plane in a ragged mask"] = partial(_before_a_pinhole, _ragged())
+    for distance in (1e-12, 1e12, 1e-300, 1e300):
+        rows[f"a distance of {distance:.0e}"] = partial(_before_a_pinhole, everywhere, distance)
+    trust = 1e-8 ** np.random.default_rng(0).uniform(size=(SIDE, SIDE))
+    rows["trust from 1 to 1e-08"] = partial(_before_a_pinhole, everywhere, trust=trust)
+    for extreme in (1e-300, 1e300):
+        even = np.full((SIDE, SIDE), extreme)
+        rows[f"trust of {extreme:.0e}"] = partial(_before_a_pinhole, everywhere, trust=even)
+    rows["an empty mask"] = partial(_before_a_pinhole, ~everywhere)
+    return rows
+
+
+def _before_a_pinhole(
+    mask: Mask, distance: float = 1.0, trust: Floats | None = None, dtype: DTypeLike = np.float64
+) -> Measured:
+    """Compare with the plane of the normals as they are given, of a geometric mean of distances on its one part."""
+    normal = np.array([-0.3, 0.2, 1.0], dtype)
+    normal /= np.linalg.norm(normal)
+    focal, centre = 30.0, SIDE / 2
+    found = integrate_perspective(
+        np.where(mask[..., None], normal, normal.dtype.type(0)),
+        (focal, focal, centre, centre),
+        mask,
+        trust,
+        distance=distance,
+    )
+    x, y, z = normal.astype(np.longdouble)
+    down, across = np.indices(mask.shape) + np.longdouble(0.5) - centre
+    nearness = np.log(z - x * across / focal + y * down / focal)[mask]
+    right = -np.longdouble(distance) * np.exp(nearness.mean() - nearness)
+    return rounded(found[mask], right, _condition(mask, trust), note=POISSON)
 
 
 def _condition(mask: Mask, trust: Floats | None = None) -> float:

@@ -31,7 +31,7 @@ LIGHT = np.array([0.6, 0.0, 0.8])
 
 def of_surfaces() -> Answers:
     """Return a function for each row; errors are of a closed form, or of the same without the difficulty."""
-    cases = (_wall, _few_pixels, _black, _grazing, _spike, _steps_and_holes, _units, _bright_lamp, _single)
+    cases = (_wall, _few_pixels, _black, _grazing, _spike, _steps_and_holes, _units, _bright_lamp, _single, _ball)
     rows: Answers = {}
     for case in cases:
         rows.update(case())
@@ -244,3 +244,17 @@ def _single() -> Iterator[Row]:
     yield _row(f"{name}: render", lambda: render(single, LIGHT), expected, "one direction", np.float32)
     right = transport(double, 4).values
     yield _row(f"{name}: transport", lambda: transport(single, 4).values, right, "order 4, depth of a ball", np.float32)
+
+
+def _ball() -> Iterator[Row]:
+    normals, inside = ball(SIDE)
+    heights = np.where(inside, SIDE / 2 * normals[..., 2], np.nan)
+    albedo = np.full(inside.shape, ALBEDO)
+    usual = _transport(Surface(normals, albedo, inside, heights))
+    for factor in (1e-12, 1e12, 1e-100, 1e100):
+        other = Surface(normals, albedo, inside, factor * heights, factor)
+        name = f"times {factor:.0e}: transport of a ball"
+        yield _row(name, partial(_transport, other), usual, "expected: in pixels")
+    high = Surface(normals, albedo, inside, heights + 1e6)
+    name, note = "upon a height of 1e+06: transport of a ball", "expected: upon 0; condition: the height in pixels"
+    yield _row(name, partial(_transport, high), usual, note, condition=1e6)
