@@ -89,6 +89,8 @@ def read(path: str | os.PathLike[str]) -> Contents:
         raise HarmonicFaceError(f"{path}: expected version {', '.join(VERSIONS)} of the gallery format, got {got}")
     try:
         contents = _contents(arrays, json.loads(header["about"]))
+    except HarmonicFaceError as error:  # a name, which earlier versions let be
+        raise HarmonicFaceError(f"{path}: {error}") from None
     except (KeyError, TypeError, ValueError, IndexError, RecursionError):
         raise HarmonicFaceError(f"{path}: expected a gallery that agrees with itself, got one that does not") from None
     if contents.templates and header["version"] == OTHER_TEMPLATES:

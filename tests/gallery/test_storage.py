@@ -301,3 +301,8 @@ def test_templates_of_an_older_version_are_refused(tmp_path: Path) -> None:
         header["version"] = "2"
 
     assert "expected templates of version 3 of the gallery format, got those of 2: enrol" in changed(path, change)
+
+
+def test_a_name_that_earlier_versions_let_be_is_told(path: Path) -> None:
+    names = [["ada", "surface"], *([f"x/{number}", "surface"] for number in range(4))]
+    assert "name: expected one without slashes, got 'x/0'" in changed(path, say("people", names))
