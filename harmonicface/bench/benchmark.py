@@ -22,11 +22,15 @@ from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
 from harmonicface.bench.timing import UNTIMED, Timing
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.gallery import Gallery
+from harmonicface.gallery.recall import missed_by_stage_one
+from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.lighting.light import Light
+from harmonicface.recognition.intervals import Rate
 from harmonicface.surfaces.surface import Surface
 
 MARGIN_METHOD = "harmonic9"
 STRANGERS = 20
+RECALLED = 10  # photographs a tier that the default compares with everybody, not with a shortlist alone
 Progress = Callable[[str, int, int], None]  # what is being done, how much of it, of how much
 
 
@@ -111,6 +115,7 @@ class BenchmarkResult:
     gallery: Gallery
     crowd: str = SYNTHETIC.name
     enrolments: tuple[EnrolmentResult, ...] = ()
+    missed: Rate | None = None  # by the default's shortlist, see `missed_by_stage_one`
 
 
 def run_benchmark(
@@ -185,6 +190,7 @@ def run_benchmark(
         gallery=gallery,
         crowd=crowd.name,
         enrolments=tuple(compared),
+        missed=_missed(contenders, asked),
     )
     tell("margins and strangers", 1, 1)
     return result
@@ -280,6 +286,15 @@ def _gallery(contenders: dict[str, Contender], people: Sequence[Person]) -> Gall
         known = GalleryContender(MARGIN_METHOD)
         known.enroll(people)
     return known.gallery
+
+
+def _missed(contenders: dict[str, Contender], asked: dict[str, list[Query]]) -> Rate | None:
+    """Return how often the default's shortlist misses whom its second look would name, in a few photographs a tier."""
+    default = contenders.get(DEFAULT_MODEL)
+    if not isinstance(default, GalleryContender):
+        return None
+    some = [query.photo for queries in asked.values() for query in queries[:: -(-len(queries) // RECALLED)]]
+    return missed_by_stage_one(default.gallery, some)
 
 
 def _margin(gallery: Gallery, people: Sequence[Person], queries: Sequence[Query]) -> Margin:

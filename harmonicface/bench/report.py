@@ -87,6 +87,7 @@ def results(result: BenchmarkResult) -> dict[str, object]:
         },
         "threshold": result.gallery.threshold,
         "margin": result.gallery.margin,
+        "missed_by_shortlist": None if result.missed is None else asdict(result.missed),
         "records": [record.as_dict() for record in method_records(result)],
         "machine": machine(),
     }
@@ -114,6 +115,7 @@ def _page(result: BenchmarkResult) -> str:
         "errors": table(*error_table(result), MARGIN_METHOD),
         "enrolments": _enrolments(result),
         "models": _models(result),
+        "recall": _recall(result),
         "margins": table(*margin_table(result)),
         "explanations": image(pictures.explanations_picture(result), "photographs explained by right and wrong people"),
         "harmonics": image(pictures.harmonics_picture(result.people[0].surface), "nine harmonic images of one person"),
@@ -136,6 +138,17 @@ def _enrolments(result: BenchmarkResult) -> str:
         " all photographs; below 1 is an error. Normals: mean angle to the true ones. Whom photometric stereo refused"
         f" is never found.</p>{table(*cost_table(result))}<p>Wrong answers in %:</p>"
         f"{table(*enrolment_table(result))}{ways}"
+    )
+
+
+def _recall(result: BenchmarkResult) -> str:
+    """Say what the default loses by looking again at a shortlist only."""
+    if result.missed is None:
+        return ""
+    return (
+        "<p>The default model looks again at a shortlist of the nearest people by projection. In the photographs asked"
+        f" for, whom it would name among everybody is missing there in {result.missed} ({result.missed.trials} of them,"
+        " 95 % interval).</p>"
     )
 
 

@@ -97,6 +97,7 @@ def test_the_page_says_what_came_out(folder: Path, small_run: BenchmarkResult) -
     assert f"Nine harmonic images rank the right person first in {right} of 24 photographs" in text
     for tier in TIERS:
         assert tier.about in text
+    assert f"whom it would name among everybody is missing there in {small_run.missed} (24 of them" in text
 
 
 def test_the_schema_of_the_results(folder: Path, small_run: BenchmarkResult) -> None:
@@ -113,6 +114,7 @@ def test_the_schema_of_the_results(folder: Path, small_run: BenchmarkResult) -> 
     refusals = {frozenset(rates) for rates in found["open_set"].values()}
     assert refusals == {frozenset({"enrolled_refused", "strangers_refused"})}
     assert list(found["margins"]) == list(found["open_set"]) == TIER_NAMES
+    assert found["missed_by_shortlist"]["trials"] == 24
     assert (found["threshold"], found["margin"]) == (small_run.gallery.threshold, small_run.gallery.margin)
     assert set(found["machine"]) == {"processor", "cores", "python", "system", "packages"}
     assert found["machine"]["packages"]["harmonicface"] == hf.__version__
