@@ -28,9 +28,10 @@ import harmonicface as hf
 from harmonicface.bench.command_line import benchmark_parser, finish
 from harmonicface.bench.measure import Record
 from harmonicface.bench.morphs import morphs
-from harmonicface.bench.timing import Call, Stopwatch, once, record
+from harmonicface.bench.timing import Call, Stopwatch, best, once, record
 from harmonicface.gallery.distributed import SharedShelf
 from harmonicface.gallery.search.cascade import Found
+from harmonicface.gallery.search.sketch import COLUMNS, form_columns
 from harmonicface.gallery.share import shares_of
 from harmonicface.gallery.shelf import Shelf
 from harmonicface.recognition.subspace import unit_photo
@@ -61,6 +62,7 @@ def records(quick: bool, folder: Path | None = None) -> Iterator[Record]:
             yield record("give the workers their shares", size, opening, bytes=alone.nbytes, note=note)
             yield from _questions(alone, shelf, units, expected, size)
             yield _killed(client, shelf, units, expected, size)
+    yield from _first_bound(100_000 if quick else 1_000_000)
 
 
 def _made(path: str, people: int, pool: list[hf.Surface], queries: int) -> Units:
@@ -129,6 +131,23 @@ def _killed(client: Client, shelf: SharedShelf, units: Units, expected: list[Fou
         unit=DIFFER,
         note=f"median of {len(units)} photographs, the longest {max(seconds):.2f} s; beside one afterwards",
     )
+
+
+def _first_bound(people: int) -> Iterator[Record]:
+    """Time what a search does with everybody: one product of the quadratic forms, here of random numbers."""
+    columns = form_columns(COLUMNS)
+    rng, rows = np.random.default_rng(0), columns * (columns + 1) // 2 + 2
+    forms = rng.random((rows, people), np.float32)
+    for queries in (1, BATCH):
+        asked, seconds = rng.random((rows, queries), np.float32), []
+        for _ in range(5):
+            start = time.process_time()
+            forms.T @ asked  # as in `cascade.search_many`
+            seconds.append(time.process_time() - start)
+        timing = best(lambda: forms.T @ asked, 3)  # noqa: B023
+        each = 1e9 * min(seconds) / (people * queries)
+        note = f"{rows} numbers a person; {each:.1f} ns of processor for each person and photograph"
+        yield record(f"first bound, {queries} photographs", f"{people} people", timing, bytes=forms.nbytes, note=note)
 
 
 def _asked(shelf: Shelf, units: Units) -> list[Found]:

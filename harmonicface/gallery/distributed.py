@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 AT_ONCE = 8  # people whom one task enrols
 NEAR = 0.1  # where nearly everybody is whose photograph is good, and nobody else
+MANY = 100_000  # people of a shelf, whose search takes longer than a message and its answer
 SMALL = 1 << 16  # bytes of photographs that are sent to every worker
 MESSAGE = 1 << 22  # bytes of photographs that are asked for together
 MAPPED = 4  # of a worker's memory, pages of files take at most one part in so many
@@ -101,10 +102,10 @@ class SharedShelf:
     def search_many(self, units: Units, top: int | None = 1, distance: float = FURTHEST) -> list[Found]:
         """Find the people nearest to each of several photographs; raises as `search`.
 
-        All photographs are one message to each shelf. Where one person is asked for, she is looked for nearby first:
-        a shelf that does not hold her excludes its people much sooner if it may stop at that distance.
+        All photographs are one message to each shelf. Where shelves are large and one person is asked for, she is
+        looked for nearby first: a shelf that does not hold her excludes its people sooner if it may stop there.
         """
-        if top != 1 or distance <= NEAR:
+        if top != 1 or distance <= NEAR or len(self) < MANY * len(self._held):
             return self._asked(units, top, distance)
         found = self._asked(units, top, NEAR)
         left = [number for number, one in enumerate(found) if not one.people]

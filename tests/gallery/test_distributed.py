@@ -90,11 +90,15 @@ def test_one_person_is_looked_for_nearby_first(shelf: SharedShelf, monkeypatch: 
         return whole(self, photographs, top, distance)
 
     monkeypatch.setattr(SharedShelf, "_asked", seen)
+    monkeypatch.setattr(distributed, "MANY", 20)
     near = PEOPLE[40][2].astype(np.float64)
     found = shelf.search_many(np.stack([near, ASKED[-1]]))
     assert [pairs(one) for one in found] == [scan(PEOPLE, unit, 1, 1.0) for unit in (near, ASKED[-1])]
     assert found[0].distances[0] < NEAR < found[1].distances[0]
     assert asked == [(2, NEAR), (1, 1.0)]
+    monkeypatch.setattr(distributed, "MANY", 31)
+    shelf.search(near)
+    assert asked[2:] == [(1, 1.0)]
 
 
 def test_closeness_is_in_the_order_of_enrolment(shelf: SharedShelf) -> None:
