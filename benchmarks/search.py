@@ -135,9 +135,22 @@ def energies_of(subspace: Subspace) -> NDArray[np.float64]:
     return np.asarray(values / values.sum() + FLOOR)
 
 
-def morph(job: tuple[tuple[Rows, Rows], tuple[Rows, Rows], float]) -> tuple[Rows, NDArray[np.float64]]:
-    """Return a person between two: her images are the mean of theirs, turned so that they agree best."""
-    (first, one), (second, other), share = job
+def make_morphs(job: tuple[Path, Path, int, Path]) -> None:
+    """Make people between those of two files, and write them."""
+    first, second, number, place = job
+    rng, one, other = np.random.default_rng(number), np.load(first), np.load(second)
+    split = [np.split(chunk[name], CHUNK) for chunk in (one, other) for name in ("rows", "energies")]
+    partners, shares = rng.permutation(CHUNK), rng.uniform(0.3, 0.7, CHUNK)
+    between = [
+        morph(split[0][index], split[1][index], split[2][partner], split[3][partner], shares[index])
+        for index, partner in enumerate(partners)
+    ]
+    rows, energies = (np.concatenate(some) for some in zip(*between, strict=True))
+    np.savez(place, rows=rows, energies=energies)
+
+
+def morph(first: Rows, one: Rows, second: Rows, other: Rows, share: float) -> tuple[Rows, NDArray[np.float64]]:
+    """Return a person between two: her images are a mean of theirs, turned so that they agree best."""
     images = np.sqrt(np.maximum(one - FLOOR, 0))[:, None] * first
     others = np.sqrt(np.maximum(other - FLOOR, 0))[:, None] * second
     left, _, right = np.linalg.svd(images @ others.T)
@@ -147,28 +160,26 @@ def morph(job: tuple[tuple[Rows, Rows], tuple[Rows, Rows], float]) -> tuple[Rows
 
 def draw_people(count: int, drawn: int, ict: str | None, folder: Path) -> tuple[Rows, Rows, NDArray[np.float32]]:
     """Return everybody's rows and energies, and photographs (q, lights, p) of some of the first ones."""
-    kind = "ict" if ict else "synthetic"
-    jobs = [(ict, number, folder / f"{kind} {number}.npz") for number in range(drawn // CHUNK)]
+    kind, chunks = "ict" if ict else "synthetic", drawn // CHUNK
+    places = [folder / f"{kind} {number}.npz" for number in range(chunks)]
+    more = [folder / f"{kind} {number} of {chunks}.npz" for number in range(chunks, count // CHUNK)]
+    rng = np.random.default_rng(0)
+    pairs = [
+        (*(places[index] for index in rng.choice(chunks, 2, replace=False)), chunks + n, place)
+        for n, place in enumerate(more)
+    ]
     with ProcessPoolExecutor(2) as pool:
-        list(pool.map(make_chunk, [job for job in jobs if not job[2].exists()]))
-        chunks = [np.load(place) for _, _, place in jobs]
-        photos = np.concatenate([chunk["photos"] for chunk in chunks])
-        shape = RANK * count, photos.shape[2]
-        if count > IN_MEMORY:
-            array = np.lib.format.open_memmap(folder / f"{kind} {count}.npy", "w+", np.float16, shape)
-        else:
-            array = np.empty(shape, np.float32)
-        known = np.concatenate([chunk["rows"] for chunk in chunks])
-        energies = [np.concatenate([chunk["energies"] for chunk in chunks])]
-        array[: len(known)] = known
-        parts = list(zip(np.split(known, drawn), np.split(energies[0], drawn), strict=True))
-        rng = np.random.default_rng(0)
-        pairs = ((rng.choice(drawn, 2, replace=False), rng.uniform(0.3, 0.7)) for _ in range(count - drawn))
-        between = pool.map(morph, ((parts[a], parts[b], share) for (a, b), share in pairs), chunksize=50)
-        for number, (rows, energy) in enumerate(between, drawn):
-            array[RANK * number : RANK * number + RANK] = rows
-            energies.append(energy)
-    return array, np.concatenate(energies), photos
+        list(pool.map(make_chunk, [(ict, number, place) for number, place in enumerate(places) if not place.exists()]))
+        list(pool.map(make_morphs, [pair for pair in pairs if not pair[3].exists()]))
+    photos = np.concatenate([np.load(place)["photos"] for place in places])
+    shape = RANK * count, photos.shape[2]
+    if count > IN_MEMORY:
+        array = np.lib.format.open_memmap(folder / f"{kind} {count}.npy", "w+", np.float16, shape)
+    else:
+        array = np.empty(shape, np.float32)
+    for number, place in enumerate((*places, *more)):
+        array[RANK * CHUNK * number : RANK * CHUNK * (number + 1)] = np.load(place)["rows"]
+    return array, np.concatenate([np.load(place)["energies"] for place in (*places, *more)]), photos
 
 
 def enrol(array: Rows, energies: Rows, asked: Sequence[int], kind: str) -> tuple[People, list[Record]]:

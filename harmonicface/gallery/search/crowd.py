@@ -14,7 +14,7 @@ from harmonicface.gallery.search.sketch import Sketch
 
 Array = NDArray[np.float32]
 Indices = NDArray[np.intp]
-BLOCK = 1 << 20  # numbers that are looked at together, about what a processor's cache holds
+BLOCK = 1 << 22  # numbers that are looked at together, about what a processor's last cache holds
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,12 +68,14 @@ class Company:
         left
             (q,) the squared lengths that the shared basis leaves over of them.
         """
-        asked, found = coordinates.shape[1], np.empty((len(chosen), coordinates.shape[1]), np.float32)
-        step = max(1, BLOCK // (self.rank * (len(coordinates) + asked)))
-        copied = np.empty((min(step, len(chosen)), *self.numbers[stage].shape[1:]), np.float32)
+        numbers, asked = self.numbers[stage], coordinates.shape[1]
+        found = np.empty((len(chosen), asked), np.float32)
+        in_place = isinstance(numbers, np.ndarray) and _together(chosen)
+        step = max(1, BLOCK // (self.rank * (asked if in_place else asked + len(coordinates))))
+        copied = np.empty((0 if in_place else min(step, len(chosen)), *numbers.shape[1:]), np.float32)
         for start in range(0, len(chosen), step):
             some = chosen[start : start + step]
-            found[start : start + step] = self._squares(self.numbers[stage], some, coordinates, copied)
+            found[start : start + step] = self._squares(numbers, some, coordinates, copied)
         rest = self.levels[chosen, stage, None] * left
         rest += self.doubts[chosen, stage, None]
         found += rest
@@ -81,11 +83,10 @@ class Company:
 
     def _squares(self, numbers: Array | Gathered, some: Indices, coordinates: Array, copied: Array) -> Array:
         """Return |N a|^2 of some people; where most of their neighbours are asked too, nothing is copied."""
-        first, behind = int(some[0]), int(some[-1]) + 1
-        together = behind - first < 2 * len(some)
+        together, first = _together(some), int(some[0])
         if together:
-            taken = numbers[first:behind]
-        elif isinstance(numbers, np.ndarray):
+            taken = numbers[first : some[-1] + 1]
+        elif isinstance(numbers, np.ndarray) and len(some) <= len(copied):
             # where it was before: fresh memory would cost more than the copy
             taken = np.take(numbers, some, axis=0, out=copied[: len(some)], mode="clip")
         else:
@@ -96,6 +97,11 @@ class Company:
         else:
             squares = np.einsum("nrq,nrq->nq", products, products)
         return np.asarray(squares[some - first] if together and len(squares) > len(some) else squares)
+
+
+def _together(some: Indices) -> bool:
+    """Return whether most of the people between the first and the last are asked."""
+    return len(some) > 0 and int(some[-1] - some[0]) < 2 * len(some)
 
 
 def crowd(sketches: Sequence[Sketch], columns: Sequence[int]) -> tuple[Company, ...]:
