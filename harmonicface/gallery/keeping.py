@@ -3,32 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import storage
 from harmonicface.gallery.enrolment import Model
 from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.layout import BASIS, DTYPES, MASK, About, entries_of
+from harmonicface.gallery.layout import DTYPES
 from harmonicface.gallery.paths import PathLike, is_file, is_folder, is_free, is_same
 from harmonicface.gallery.people_in_folder import PeopleInFolder
 from harmonicface.gallery.people_in_memory import PeopleInMemory
 from harmonicface.gallery.roll import Roll
-from harmonicface.gallery.rows import StackedRows
 from harmonicface.gallery.rule import DEFAULT_MARGIN, Rule
+from harmonicface.gallery.saving import checked_dtype, save_file, save_folder
 from harmonicface.gallery.staging import is_url, refuse_writing, staged
 from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
 from harmonicface.recognition.models import SUBSPACE_MODELS, WITH_DEPTH, harmonic9
-from harmonicface.store.folder import ArrayFolder
-from harmonicface.store.manifest import NAME as MANIFEST
 from harmonicface.store.part import Damage
-from harmonicface.store.whole import make_whole
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -108,7 +102,7 @@ class Keeping(Rule, Roll):
             raise HarmonicFaceError(f"create: expected a new or an empty folder, got {path!s:.300}, which is there")
         if not is_folder(Path(path).parent):
             raise HarmonicFaceError(f"expected a folder {Path(path).parent!s:.300}, got none")
-        people = PeopleInFolder(Path(path), gallery, _checked_dtype(dtype), gallery._people.known_frame)
+        people = PeopleInFolder(Path(path), gallery, checked_dtype(dtype), gallery._people.known_frame)
         gallery._people = people
         if people.known_frame is not None:
             people.make(people.frame)
@@ -195,9 +189,9 @@ class Keeping(Rule, Roll):
         if len(set(places)) < len(places):
             raise HarmonicFaceError(f"among: expected each name once, got {len(places)} of {len(set(places))} people")
         if Path(path).suffix == PORTABLE or is_file(path):
-            self._save_file(path, places, dtype)
+            save_file(path, self._people, self, places, dtype)
         else:
-            self._save_folder(Path(path), places, dtype)
+            save_folder(Path(path), self._people, self, places, dtype)
 
     def refresh(self) -> None:
         """See what others have written to the folder since it was opened or written to; in memory nothing changes.
@@ -252,55 +246,3 @@ class Keeping(Rule, Roll):
         if dtype not in (None, people.about.dtype) or among is not None:
             raise HarmonicFaceError("save: expected another path for other rows or for some of the people, got its own")
         people.describe()
-
-    def _save_file(self, path: PathLike, places: Sequence[int], dtype: str | None) -> None:
-        """Write one portable file."""
-        if dtype not in (None, DTYPES[0]):
-            raise HarmonicFaceError(f"dtype: expected {DTYPES[0]} for a portable file, got {dtype!r:.40}")
-        if is_file(path):
-            storage.check_kind(path)
-        rows = StackedRows(np.empty((0, self._people.frame.pixels), np.float32))
-        sources, templates = {}, []
-        for place in places:
-            enrolled = self._people.enrolment(place)
-            rows.append(enrolled.subspace)
-            sources[self._people.name(place)] = enrolled.source
-            templates += [] if enrolled.template is None else [enrolled.template]
-        storage.write(
-            path,
-            storage.Contents(
-                self.model,
-                self.threshold,
-                self.margin,
-                self.shortlist,
-                self._people.frame.mask,
-                rows,
-                sources,
-                templates,
-            ),
-        )
-
-    def _save_folder(self, path: Path, places: Sequence[int], dtype: str | None) -> None:
-        """Write a folder."""
-        own = self._people.about.dtype if isinstance(self._people, PeopleInFolder) else DTYPES[0]
-        about, frame, index = About.of(self, own if dtype is None else _checked_dtype(dtype)), self._people.frame, None
-        common: dict[str, NDArray[Any]] = {MASK: frame.mask}
-        if self._people.index is not None:
-            index = self._people.index
-            about = replace(about, stops=index.stops, sample=index.sample)
-            common[BASIS] = index.basis.rows
-        people = ((self._people.name(place), self._people.enrolment(place)) for place in places)
-        kept = entries_of(people, about.dtype, index), about.kinds(frame), about.words(), common
-        if not (path / MANIFEST).exists():
-            make_whole(path, *kept)
-            return
-        folder = ArrayFolder(path)
-        About.read(folder.version(leave_out_damaged=True), str(path))
-        folder.replace(*kept)
-
-
-def _checked_dtype(dtype: str) -> str:
-    """Return a type of rows."""
-    if dtype not in DTYPES:
-        raise HarmonicFaceError(f"dtype: expected one of {', '.join(DTYPES)}, got {_validate.describe(dtype)}")
-    return dtype

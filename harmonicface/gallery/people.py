@@ -66,6 +66,11 @@ class People(ABC):
 
     @property
     @abstractmethod
+    def dtype(self) -> str:
+        """The type of the rows as they are kept, "float32" or "float16"."""
+
+    @property
+    @abstractmethod
     def rounding(self) -> float:
         """How far |Q y|^2 may be from 1 - distance^2 because stored rows are not quite orthonormal."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from harmonicface.gallery.enrolment import Enrolment
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.index import Index
-from harmonicface.gallery.layout import ORTHONORMAL
+from harmonicface.gallery.layout import DTYPES, ORTHONORMAL
 from harmonicface.gallery.people import People
 from harmonicface.gallery.rows import RowBlock, StackedRows
 from harmonicface.gallery.search.sketch import Sketch
@@ -46,9 +46,14 @@ class PeopleInMemory(People):
         return tuple(self._names)
 
     @property
+    def dtype(self) -> str:
+        """The type of the rows."""
+        return DTYPES[0]
+
+    @property
     def rounding(self) -> float:
         """How far |Q y|^2 may be from 1 - distance^2: rows are rounded to float32."""
-        return ORTHONORMAL["float32"]
+        return ORTHONORMAL[self.dtype]
 
     @property
     def nbytes(self) -> int:

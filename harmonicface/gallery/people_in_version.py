@@ -85,6 +85,11 @@ class PeopleInVersion(People):
         return () if self._version is None else tuple(map(checked_name, self._version.keys))
 
     @property
+    def dtype(self) -> str:
+        """The type of the rows as they are kept."""
+        return self.about.dtype
+
+    @property
     def rounding(self) -> float:
         """How far |Q y|^2 may be from 1 - distance^2; everybody's rows are read and checked once."""
         return max((self._defect(part) for part in self._parts), default=0.0)
