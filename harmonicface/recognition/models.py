@@ -9,15 +9,14 @@ import numpy as np
 
 from harmonicface._validate import Floats
 from harmonicface.appearance.basis import harmonic_images
-from harmonicface.appearance.choose import choose_model
 from harmonicface.appearance.principal import analytic_pca
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.recognition.auto_model import auto
 from harmonicface.recognition.nine_lights import nine_points
 from harmonicface.surfaces.surface import Surface
 
 LAMPS = "frontal"  # what a camera's side of a face shows of lamps behind it is little
 ENERGY = 0.99  # so that the mean square of the distance to them is that of 0.1, at which a gallery names a person
-TOLERANCE = 0.1  # the same distance, as a root mean square
 
 
 def linear3(surface: Surface) -> Floats:
@@ -61,19 +60,6 @@ def principal(surface: Surface, n_components: int | float) -> Floats:
     found = analytic_pca(surface, n_components, lights=LAMPS, centered=False)
     # float64 whatever the Surface is: their rank must not drown in rounding
     return np.asarray(np.linalg.pinv(found.lights) @ found.components.astype(np.float64))
-
-
-def auto(surface: Surface) -> Floats:
-    """Return as few pictures as natural light takes of this Surface: those of the model that is chosen, (n, p).
-
-    The cheapest that leaves at most a tenth of pictures under natural light, which is the distance at which a gallery
-    names a person: four or five independent ones of most faces (see `choose_model`). They are harmonic images projected
-    onto the model's lights, so combining them to a photograph gives its light. As the nine images they are without cast
-    shadows.
-    """
-    choice = choose_model(surface, "natural", TOLERANCE, shadows=False)
-    pictures = choice.pictures(surface).astype(np.float64)  # whatever the Surface is, as in `principal`
-    return np.asarray(np.linalg.pinv(choice.lights) @ pictures)
 
 
 SUBSPACE_MODELS: dict[str, Callable[[Surface], Floats]] = {

@@ -7,7 +7,7 @@ from scipy.linalg import subspace_angles
 
 import harmonicface as hf
 from harmonicface.appearance.principal import analytic_pca
-from harmonicface.recognition.models import SUBSPACE_MODELS, TOLERANCE, subspace_model
+from harmonicface.recognition.models import SUBSPACE_MODELS, subspace_model
 
 SURFACE = hf.synthetic_person(0, size=24)
 ALBEDO = SURFACE.pixel_albedo.astype(np.float64)
@@ -87,14 +87,3 @@ def test_no_such_model(name: str) -> None:
         hf.HarmonicFaceError, match=f"model: expected one of {', '.join(SUBSPACE_MODELS)}, got '{name}'"
     ):
         subspace_model(name)
-
-
-def test_auto_is_what_natural_light_takes_and_tells_the_light() -> None:
-    pictures = subspace_model("auto")(SURFACE)
-    few = hf.Subspace.of(pictures)
-    assert 3 <= few.rank <= 5
-    light = hf.lights.natural(11)
-    photo = hf.render(SURFACE, light)[SURFACE.mask]
-    assert few.distance(photo) < 2 * TOLERANCE
-    found = hf.HarmonicLight(few.coefficients(photo))  # as harmonic images: their combination is the light
-    assert_allclose(hf.render(SURFACE, found)[SURFACE.mask], few.nearest(photo), rtol=0, atol=1e-4)
