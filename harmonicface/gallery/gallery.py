@@ -20,7 +20,9 @@ class Gallery(Keeping):
     """People, each as the subspace of her pictures and a template of her looks, in one frame of pixels.
 
     A gallery made so is in memory, until it is saved; one made by `Gallery.create` or opened from a folder keeps
-    everything there.
+    everything there. Photographs are searched for in two stages. The first is the plain projection of linear
+    intensities, the same for every model: its answers are exactly those of a scan of everybody, from a thousand people
+    on without reading them all (`index`). The second, of the default model, looks at the first one's shortlist.
 
     Parameters
     ----------
@@ -188,6 +190,7 @@ class Gallery(Keeping):
         score is predicted from these comparisons (`Strangers`), and no search of these reaches the threshold more
         often than asked. One threshold serves everybody; it holds for a gallery of this size, so calibrate again when
         it has grown. With a model without patterns the threshold alone decides from then on (`margin` is infinite).
+        Of a gallery in a folder, `save()` keeps it there.
 
         Parameters
         ----------

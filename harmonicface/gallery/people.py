@@ -154,8 +154,8 @@ class People(ABC):
 
     @property
     def room(self) -> int | None:
-        """How many people may be added before a shared basis is learned; None once there is one."""
-        return None if self.index is not None else max(LEARNED_AT - len(self), 1)
+        """How many people may be added before a shared basis is learned; None if that is not ahead."""
+        return None if self.index is not None or len(self) >= LEARNED_AT else LEARNED_AT - len(self)
 
     def learn_in_time(self) -> None:
         """Learn a shared basis when there are enough people and none was learned so far."""
