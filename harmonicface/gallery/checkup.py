@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import layout, storage
@@ -20,6 +24,8 @@ from harmonicface.store.part import Damage, Part
 from harmonicface.store.plain_file import NotOpenedError
 from harmonicface.store.verification import Tell, damages
 from harmonicface.store.version import Version, opened
+
+TOGETHER = 64  # people whose rows are multiplied with the shared basis at once
 
 
 def checkup(path: str | os.PathLike[str], tell: Tell = lambda *_: None) -> tuple[Damage, ...]:
@@ -113,28 +119,40 @@ class _Judge:
         basis = SharedBasis(version.common[layout.BASIS]) if about.stops else None
         return cls(Frame.of(version.common[layout.MASK]), about.rule().by_score, about.stops, basis)
 
-    def reason(self, part: Part, index: int) -> str | None:
-        """Say why somebody cannot be in the gallery; None if she can."""
-        try:
-            entry = part.entry(index)
-            layout.enrolled_from(entry, self.frame, self.by_score)
-            if self.basis is not None:
-                check_sketch(entry, entry.arrays[layout.ROWS], self.basis, self.stops)
-        except HarmonicFaceError as error:
-            return str(error)
-        return None
+    def reasons(self, part: Part, indices: Sequence[int]) -> Iterator[tuple[int, str]]:
+        """Yield who of some neighbours cannot be in the gallery, and why."""
+        starts = part.shard.directory.starts[:, sorted(part.shard.kinds).index(layout.ROWS)]
+        first, behind = starts[indices[0]], starts[indices[-1] + 1]
+        seen = self._seen(part.shard.arrays[layout.ROWS][first:behind])
+        for index in indices:
+            try:
+                entry = part.entry(index)
+                layout.enrolled_from(entry, self.frame, self.by_score)
+                if seen is not None:
+                    hers = seen[starts[index] - first : starts[index + 1] - first]
+                    check_sketch(entry, entry.arrays[layout.ROWS], hers, self.stops)
+            except HarmonicFaceError as error:
+                yield index, str(error)
+
+    def _seen(self, rows: NDArray[np.floating]) -> NDArray[np.float64] | None:
+        """Return the products of rows with those of the shared basis, if there is one."""
+        if self.basis is None:
+            return None
+        with np.errstate(all="ignore"):  # infinite rows are refused before anybody looks at these
+            return np.asarray(rows.astype(np.float64) @ self.basis.rows[: self.stops[-1]].T)
 
 
 def _unfit(version: Version, judge: _Judge, lost: set[str], tell: Tell) -> Iterator[Damage]:
     """Yield who is as she was written, but not what a gallery holds."""
     done = 0
     for part in version.parts:
-        for index in part.indices.tolist():
-            with suppress(HarmonicFaceError):  # who has no key has been told
-                key = part.key(index)
-                reason = None if key in lost else judge.reason(part, index)
-                if reason is not None:
-                    yield Damage(part.listed.record.file, f"{part.shard.path}: {reason}", (key,), len(part))
+        for _, neighbours in groupby(part.indices.tolist(), lambda index: index // TOGETHER):
+            some = list(neighbours)
+            for index, reason in judge.reasons(part, some):
+                with suppress(HarmonicFaceError):  # who has no key has been told
+                    key = part.key(index)
+                    if key not in lost:
+                        yield Damage(part.listed.record.file, f"{part.shard.path}: {reason}", (key,), len(part))
+            done += len(some)
+            tell("people looked at", done, len(version))
         part.shard.forget()
-        done += len(part)
-        tell("people looked at", done, len(version))

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.search.packing import DEFECT, FORM, unpacked
-from harmonicface.gallery.search.shared_basis import SharedBasis
 from harmonicface.gallery.search.sketch import ORTHONORMAL, Sketch, form_columns
 from harmonicface.store.entry import Entry
 
@@ -21,7 +20,7 @@ BEYOND = 1e6
 Matrix = NDArray[np.float64]
 
 
-def check_sketch(entry: Entry, rows: NDArray[np.floating], basis: SharedBasis, stops: tuple[int, ...]) -> None:
+def check_sketch(entry: Entry, rows: NDArray[np.floating], seen: Matrix, stops: tuple[int, ...]) -> None:
     """Refuse a sketch by which a search could miss its person; nobody has to have one.
 
     Parameters
@@ -30,8 +29,10 @@ def check_sketch(entry: Entry, rows: NDArray[np.floating], basis: SharedBasis, s
         Of a gallery's folder with a shared basis.
     rows
         Hers, (r, p), orthonormal up to the rounding of their type.
-    basis, stops
-        The shared basis, and how many rows of it each stage has seen.
+    seen
+        (r, m) float64 products of her rows with those of the shared basis.
+    stops
+        How many rows of the shared basis each stage has seen.
 
     Raises
     ------
@@ -48,18 +49,18 @@ def check_sketch(entry: Entry, rows: NDArray[np.floating], basis: SharedBasis, s
         fits = fits and len(arrays[FORM]) == len(arrays[DEFECT]) == 1 and sketch.defect <= ORTHONORMAL
     except (IndexError, KeyError, ValueError):
         fits = False
-    if not fits or _excess(np.asarray(rows, np.float64), sketch, basis) > ROUNDING:
+    if not fits or _excess(np.asarray(rows, np.float64), seen, sketch) > ROUNDING:
         raise HarmonicFaceError(f"{ascii(entry.key)!s:.80}: expected a sketch of her rows, got another one")
 
 
-def _excess(rows: Matrix, sketch: Sketch, basis: SharedBasis) -> float:
+def _excess(rows: Matrix, seen: Matrix, sketch: Sketch) -> float:
     """Return by how much some photograph may be closer than a bound of the sketch says; 0 or less of a right one."""
     kept = (*sketch.numbers, sketch.form, sketch.levels, sketch.doubts, np.array(sketch.defect))
     if not all(np.isfinite(array).all() for array in kept):
         return np.inf
     gram = rows @ rows.T
     values, vectors = np.linalg.eigh(gram)
-    inside = (vectors / np.sqrt(values)) @ vectors.T @ (rows @ basis.rows[: sketch.stops[-1]].T)
+    inside = (vectors / np.sqrt(values)) @ vectors.T @ seen
     worst = float(np.linalg.norm(gram - np.eye(len(rows)))) - sketch.defect
     least = _least(inside[:, : form_columns(sketch.stops)], float(sketch.levels[0]))
     over = least.T @ least - _symmetric(sketch.form)
