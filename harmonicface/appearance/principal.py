@@ -123,12 +123,13 @@ def analytic_pca(
         raise HarmonicFaceError("variances: expected albedo and light within the range of numbers, got some beyond it")
     combinations = ((root @ vectors[:, :kept]) / np.sqrt(values[:kept])).T
     mean_light = statistics.mean[:rows] * bool(centered)
-    dtype = surface.normals.dtype
+    dtype = images.dtype
+    pictures = _combined(np.vstack([combinations, mean_light]).astype(dtype), images[:rows])
     return PrincipalComponents(
-        components=combinations.astype(dtype) @ images[:rows],
+        components=pictures[:-1],
         variances=values[:kept] * unit,
         total=total * unit,
-        mean=np.asarray(brightness * (mean_light.astype(dtype) @ images[:rows]), dtype),
+        mean=pictures[-1] * dtype.type(brightness),
         lights=combinations / brightness,
         mean_light=mean_light,
         mask=surface.mask,
@@ -157,6 +158,15 @@ def _gram(images: Floats, weights: Array | None) -> Array:
         some = images[:, first : first + BLOCK].astype(np.float64)
         total += some @ some.T if weights is None else (some * weights[first : first + BLOCK]) @ some.T
     return total
+
+
+def _combined(factors: Floats, images: Floats) -> Floats:
+    """Return combinations of images, (n, p), in blocks: small products do not wait for other threads to wake up."""
+    result = np.empty((len(factors), images.shape[1]), images.dtype)
+    for first in range(0, images.shape[1], BLOCK):
+        some = np.s_[:, first : first + BLOCK]
+        result[some] = factors @ images[some]
+    return result
 
 
 def _square_root(matrix: Array) -> Array:
