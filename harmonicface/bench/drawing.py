@@ -14,6 +14,9 @@ ACCENT = "#c8553d"  # ours
 COOL = "#2f6f8f"
 MUTED = "#8b97a2"
 
+# methods that are not this package's own: peers in plots
+BESIDE = ("correlation", "eigenfaces", "eigenfaces_minus3", "fisherfaces", "lbph", "tan_triggs", "gradient_angle")
+
 
 def png(figure: Figure) -> bytes:
     """Return the PNG of a figure."""

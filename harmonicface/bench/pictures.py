@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from harmonicface.appearance.basis import harmonic_images
 from harmonicface.appearance.render import render
 from harmonicface.bench.benchmark import BenchmarkResult, Query
-from harmonicface.bench.drawing import INK, png
+from harmonicface.bench.drawing import BESIDE, INK, png
 from harmonicface.bench.measure import Record
 from harmonicface.bench.speed_plot import Point, speed_error_picture
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.io.pictures import signed_colours, to_display
 from harmonicface.surfaces.surface import Surface
 
-OURS = ("harmonic9", "default")
 HARMONIC_NAMES = ("1", "y", "z", "x", "xy", "yz", "3z²-1", "xz", "x²-y²")
 EXAMPLES = 4
 
@@ -61,9 +60,9 @@ def explanations_picture(result: BenchmarkResult, tiers: Sequence[str] = ()) -> 
     return png(figure)
 
 
-def tradeoff_picture(records: Sequence[Record], strong: Sequence[str] = OURS) -> bytes:
-    """Draw the error against the time of a photograph, one point a method, some of them standing out."""
-    points = [Point(one.name, one.seconds, one.error or 0.0, one.name in strong) for one in records]
+def tradeoff_picture(records: Sequence[Record]) -> bytes:
+    """Draw the error against the time of a photograph, one point a method."""
+    points = [Point(one.name, one.seconds, one.error or 0.0, one.name not in BESIDE) for one in records]
     return speed_error_picture(points, records[0].unit, "time a photograph")
 
 

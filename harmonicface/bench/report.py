@@ -157,7 +157,7 @@ def _models(result: BenchmarkResult) -> str:
     heads, rows = model_table(result)
     if not rows:
         return ""
-    plot = pictures.tradeoff_picture(model_records(result), ("auto",))
+    plot = pictures.tradeoff_picture(model_records(result))
     return (
         "<h2>Only what natural light takes</h2><p>Galleries that keep fewer pictures a person, the smallest first, in"
         " the photographs under natural light alone. auto chooses the pictures of each person from her Surface"

@@ -19,7 +19,7 @@ from harmonicface.bench.labels import place_labels
 from harmonicface.bench.measure import Record
 from harmonicface.bench.spelling import spelled_seconds
 
-ALL_NAMED = 12  # points up to which everything is named, and not the front alone
+ALL_NAMED = 20  # points up to which everything is named, and not the front alone
 ACROSS = 56  # letters of a line along the upright axis
 ALL_NUMBERED = 45  # points up to which everything has at least the number of its row
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
-from harmonicface.bench.drawing import ACCENT, INK, png
+from harmonicface.bench.drawing import ACCENT, BESIDE, INK, png
 from harmonicface.bench.speed_plot import Point, speed_error_picture
 from harmonicface.bench.yale_result import YaleMethod, YaleResult
 
@@ -52,7 +52,7 @@ def time_picture(result: YaleResult) -> bytes:
     for name, method in by_error(result):
         found = method.rate([int(subset) for subset in method.asked])
         low, high = (None, None) if found is None else (100 * found.low, 100 * found.high)
-        points.append(Point(name, method.ms_per_query / 1e3, overall(method), name == OURS, low=low, high=high))
+        points.append(Point(name, method.ms_per_query / 1e3, overall(method), name not in BESIDE, low=low, high=high))
     return speed_error_picture(points, "% of photographs given to the wrong person", "time a photograph")
 
 
