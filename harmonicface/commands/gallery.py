@@ -37,7 +37,9 @@ def info(path: GalleryPath, as_json: AsJson = False) -> None:
     """Say what is in a gallery and what it takes."""
     found = inventory(path)
     if as_json:
-        typer.echo(json.dumps({"gallery": str(path), **asdict(found), "bytes_per_person": found.bytes_per_person}))
+        said = asdict(found)
+        sizes = {"bytes": said.pop("nbytes"), "bytes_per_person": found.bytes_per_person}
+        typer.echo(json.dumps({"gallery": str(path), **said, **sizes}))
     else:
         typer.echo("\n".join(_said(path, found)))
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import harmonicface as hf
+from harmonicface.errors import HarmonicFaceError
 from harmonicface.store.folder import ArrayFolder
 from tests.command import Run, runner
 
@@ -80,7 +81,7 @@ def test_info_as_json(run, path) -> None:
     gallery.remove("emmy")
     found = json.loads(run("info", path, "--json").out)
     files = sum(file.stat().st_size for file in path.iterdir())
-    assert found["nbytes"] == files
+    assert found["bytes"] == files
     assert (found["people"], found["rows"], found["dtype"], found["version"]) == (3, 27, "float32", "4")
     assert (found["shape"], found["pixels"], found["index"], found["damaged"]) == ([24, 24], 576, None, 0)
     assert (found["model"], found["threshold"]) == (gallery.model, gallery.threshold)
@@ -102,8 +103,30 @@ def test_info_of_an_empty_gallery_and_of_a_file(run, path, tmp_path) -> None:
     hf.Gallery.open(path).save(file)
     found = json.loads(run("info", file, "--json").out)
     assert (found["people"], found["rows"], found["version"], found["shards"]) == (4, 36, "3", 0)
-    assert found["nbytes"] == file.stat().st_size
+    assert found["bytes"] == file.stat().st_size
     assert "format 3, one file" in run("info", file).out
+
+
+def test_info_of_an_index(run, path) -> None:
+    hf.Gallery.open(path).index(seed=3)
+    index = json.loads(run("info", path, "--json").out)["index"]
+    assert (index["rows"], index["sample"], index["sketched"]) == (index["stages"][-1], 4, 4)
+    said = f"index: {index['rows']} rows learned from 4 people, looked at in stages of {index['stages'][0]}"
+    assert said in run("info", path).out
+    assert "; 4 of 4 are sketched" in run("info", path).out
+
+
+def test_everybody_removed_and_somebody_again(run, path) -> None:
+    assert run("remove", path, *NAMES).out.endswith("holds 0 people\n")
+    assert run("compact", path).code == 0
+    assert run("verify", path).code == 0
+    assert "0 people" in run("info", path).out
+    assert run("export", path, path.parent / "out").code == 2
+    gallery = hf.Gallery.open(path)
+    with pytest.raises(HarmonicFaceError, match="expected a gallery with somebody in it, got an empty one"):
+        gallery.match(np.ones((24, 24)))
+    gallery.enroll("ada", PEOPLE[0])
+    assert hf.Gallery.open(path).match(hf.render(PEOPLE[0], hf.lights.natural(1))).candidates[0].name == "ada"
 
 
 def test_what_is_no_gallery(refused, tmp_path) -> None:
