@@ -140,6 +140,15 @@ class Gallery(Keeping):
         ------
         HarmonicFaceError
             As `match`; a photograph that is all 0, another distance.
+
+        Examples
+        --------
+        >>> import harmonicface as hf
+        >>> gallery = hf.Gallery("harmonic9")
+        >>> gallery.enroll("ada", hf.synthetic_person(1, 24))
+        >>> photo = hf.render(hf.synthetic_person(1, 24), hf.lights.natural(0))
+        >>> [candidate.name for candidate in gallery.within(photo, 0.2)]
+        ['ada']
         """
         furthest = _validate.fraction(distance, "distance")
         return answers.within(self._people, self._people.asked(photo, mask), furthest)

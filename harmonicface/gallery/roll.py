@@ -111,6 +111,13 @@ class Roll:
         ------
         HarmonicFaceError
             As `enroll`, and a file that cannot be read.
+
+        Examples
+        --------
+        >>> import harmonicface as hf
+        >>> gallery = hf.Gallery("harmonic9")
+        >>> gallery.enroll_many((str(seed), hf.synthetic_person(seed, 24)) for seed in range(3))
+        3
         """
         coming: deque[str] = deque()  # names of whom is being made
         piece: dict[str, Enrolment] = {}  # made, and still to be written
