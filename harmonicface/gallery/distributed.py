@@ -2,44 +2,38 @@
 
 What a worker holds is the result of a task, its shelf. It stays where it is, because moving it is dearer than asking
 it; when a worker dies, Dask makes its shelves anew on others from the same few words (`Share`), and asks again whatever
-had not been answered. This is the only file that knows Dask.
+had not been answered.
 """
 
 from __future__ import annotations
 
+import os
 import uuid
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from itertools import cycle, islice
+from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harmonicface._memory import physical_memory
-from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.enrolment import Enrolment, Model
-from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.promised import Promise, enrolled
 from harmonicface.gallery.search.cascade import FURTHEST, Found
 from harmonicface.gallery.share import Share, shares_of
 from harmonicface.gallery.shelf import Shelf, merged
+from harmonicface.gallery.workers import enrolments as enrolments  # what a gallery asks of a cluster is found here
+from harmonicface.gallery.workers import memory_of_worker, threads_of
 from harmonicface.store.manifest import Manifest
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-AT_ONCE = 8  # people whom one task enrols
 NEAR = 0.1  # where nearly everybody is whose photograph is good, and nobody else
 MANY = 100_000  # people of a shelf, whose search takes longer than a message and its answer
 SMALL = 1 << 16  # bytes of photographs that are sent to every worker
 MESSAGE = 1 << 22  # bytes of photographs that are asked for together
 MAPPED = 4  # of a worker's memory, pages of files take at most one part in so many
 Units = NDArray[np.float64]
-Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
@@ -158,112 +152,6 @@ class Held:
         return self.shelf.nbytes
 
 
-def in_order(
-    client: Client, function: Callable[[Item], Result], items: Iterable[Item], ahead: int | None = None
-) -> Iterator[Result]:
-    """Yield what a function makes of each item, in their order, made by the workers.
-
-    Memory does not grow with the number of items: they are taken as the results are asked for, so many tasks ahead.
-
-    Parameters
-    ----------
-    client
-        Of the cluster.
-    function
-        Of a module that the workers have.
-    items
-        What it is called with, one by one.
-    ahead
-        How many tasks of a few items are under way, at least 1; two for each thread of the workers by default.
-
-    Raises
-    ------
-    HarmonicFaceError
-        No dask.distributed, no workers; what the function refuses, after the results of all items before.
-    """
-    tasks = ahead or 2 * sum(threads_of(client).values())
-    waiting: deque[Future] = deque()
-    try:
-        left = iter(items)
-        while some := tuple(islice(left, AT_ONCE)):
-            waiting.append(client.submit(_made, function, some, key=f"enrol-{uuid.uuid4().hex}"))
-            if len(waiting) == tasks:
-                yield from _results(waiting.popleft())
-        while waiting:
-            yield from _results(waiting.popleft())
-    finally:
-        client.cancel(list(waiting))
-
-
-def enrolments(client: Client, sources: Iterable[Promise], frame: Frame | None, model: Model) -> Iterator[Enrolment]:
-    """Yield what stands for people, in their order, made by the workers.
-
-    Parameters
-    ----------
-    client
-        Of the cluster.
-    sources
-        As of `promised.fulfilled`: those that are functions or files are made or read by the workers.
-    frame
-        The gallery's; None if the first person brings it, who is then enrolled here.
-    model
-        What the gallery makes of people.
-
-    Raises
-    ------
-    HarmonicFaceError
-        As `in_order` and `enrolment_of`.
-    """
-    left = iter(sources)
-    if frame is None:
-        for first in islice(left, 1):
-            found = enrolled(first, None, model)
-            frame = found.frame
-            yield found
-    yield from in_order(client, partial(enrolled, frame=frame, model=model), left)
-
-
-def threads_of(client: Client) -> dict[str, int]:
-    """Return the addresses of a cluster's workers, and how many threads each has.
-
-    Raises
-    ------
-    HarmonicFaceError
-        No dask.distributed, no client of it, no workers.
-    """
-    try:
-        from distributed import Client  # an extra, needed for galleries beyond one machine
-    except ImportError:
-        raise HarmonicFaceError(
-            "client: expected dask.distributed, got none: pip install harmonicface[distributed]"
-        ) from None
-    if not isinstance(client, Client):
-        raise HarmonicFaceError(f"client: expected a client of dask.distributed, got {type(client).__name__}")
-    found = dict(client.nthreads())
-    if not found:
-        raise HarmonicFaceError("client: expected a cluster with workers, got one that has none now")
-    return found
-
-
-def _results(future: Future) -> Iterator[Any]:
-    """Yield the results of a task, then raise what stopped it."""
-    results, error = future.result()
-    yield from results
-    if error is not None:
-        raise error
-
-
-def _made(function: Callable[[Any], Any], items: tuple[Any, ...]) -> tuple[list[Any], HarmonicFaceError | None]:
-    """Return what a function makes of items, and why it stopped."""
-    results = []
-    for item in items:
-        try:
-            results.append(function(item))
-        except HarmonicFaceError as error:
-            return results, error
-    return results, None
-
-
 def _ready(held: Held, nothing: None) -> None:
     """Do nothing on the worker that holds a shelf."""
 
@@ -292,11 +180,8 @@ def _closeness(held: Held, units: Units) -> NDArray[np.float32]:
 
 def _tidy(held: Held) -> None:
     """Give pages of files back before they are much of the worker's memory: its nanny counts them."""
-    from distributed import get_worker
-
     statistics = Path("/proc/self/statm")
     if statistics.exists():
-        mapped = int(statistics.read_text(encoding="ascii").split()[2]) * 4096
-        limit = get_worker().memory_manager.memory_limit or physical_memory()
-        if mapped > limit // MAPPED:
+        mapped = int(statistics.read_text(encoding="ascii").split()[2]) * os.sysconf("SC_PAGE_SIZE")
+        if mapped > memory_of_worker() // MAPPED:
             held.shelf.forget()

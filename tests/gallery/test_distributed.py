@@ -20,11 +20,12 @@ from distributed import Client, LocalCluster
 import harmonicface as hf
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery import distributed
-from harmonicface.gallery.distributed import AT_ONCE, NEAR, Held, SharedShelf, enrolments, in_order, threads_of
+from harmonicface.gallery.distributed import NEAR, Held, SharedShelf
 from harmonicface.gallery.enrolment import Model, enrolment_of
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.search.cascade import Found
 from harmonicface.gallery.share import shares_of
+from harmonicface.gallery.workers import AT_ONCE, enrolments, in_order, threads_of
 from harmonicface.recognition.models import harmonic9
 from harmonicface.store.folder import ArrayFolder
 from tests.gallery.shelved_people import drawn, made, pairs, scan, units
