@@ -93,7 +93,12 @@ def _questions(alone: Shelf, shelf: SharedShelf, units: Units, expected: list[Fo
             (ours.run(lambda: shelf.search(unit, top, distance)), peer.run(lambda: alone.search(unit, top, distance)))  # noqa: B023
             for unit in units
         ]
-        note = f"median of {len(units)} photographs; alone, {_left([one for _, one in pairs], len(alone))}"
+        start = time.process_time()
+        for unit in units:
+            alone.search(unit, top, distance)
+        each = 1e3 * (time.process_time() - start) / len(units)
+        left = _left([one for _, one in pairs], len(alone))
+        note = f"median of {len(units)} photographs; alone, {each:.1f} ms of processor in the mean; {left}"
         yield record(
             f"single query, {question}, on workers",
             size,
