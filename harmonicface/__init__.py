@@ -1,7 +1,10 @@
 """Recognize faces under any lighting, and measure light and shape, with harmonic subspaces."""
 
 from harmonicface.appearance.basis import harmonic_images
+from harmonicface.appearance.choose import ModelChoice, choose_model
 from harmonicface.appearance.inverse import LightEstimate, estimate_light
+from harmonicface.appearance.principal import analytic_pca
+from harmonicface.appearance.principal_components import PrincipalComponents
 from harmonicface.appearance.relight import relight
 from harmonicface.appearance.render import render
 from harmonicface.appearance.sensor import photograph
@@ -55,7 +58,9 @@ __all__ = [
     "LightEstimate",
     "Match",
     "Microfacet",
+    "ModelChoice",
     "Phong",
+    "PrincipalComponents",
     "Registration",
     "SearchScores",
     "StereoResult",
@@ -64,6 +69,8 @@ __all__ = [
     "Transport",
     "Verification",
     "__version__",
+    "analytic_pca",
+    "choose_model",
     "crop",
     "decimate",
     "estimate_light",
