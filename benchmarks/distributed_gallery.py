@@ -29,11 +29,11 @@ from harmonicface.bench.command_line import benchmark_parser, finish
 from harmonicface.bench.measure import Record
 from harmonicface.bench.morphs import morphs
 from harmonicface.bench.timing import Call, Stopwatch, best, once, record
-from harmonicface.gallery.distributed import SharedShelf
+from harmonicface.gallery.distributed.share import shares_of
+from harmonicface.gallery.distributed.shared_shelf import SharedShelf
 from harmonicface.gallery.search.cascade import Found
+from harmonicface.gallery.search.shelf import Shelf
 from harmonicface.gallery.search.sketch import COLUMNS, form_columns
-from harmonicface.gallery.share import shares_of
-from harmonicface.gallery.shelf import Shelf
 from harmonicface.recognition.subspace import unit_photo
 
 SIZE = 64

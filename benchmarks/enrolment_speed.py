@@ -27,11 +27,11 @@ from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.measure import Record
 from harmonicface.bench.morphs import morphs
 from harmonicface.bench.timing import Call, Stopwatch, Timing, best, once, record
-from harmonicface.gallery.index import LEARNED_AT, Index
+from harmonicface.gallery.distributed.share import shares_of
+from harmonicface.gallery.distributed.workers import in_order
 from harmonicface.gallery.search.cascade import Found
-from harmonicface.gallery.share import shares_of
-from harmonicface.gallery.shelf import Shelf
-from harmonicface.gallery.workers import in_order
+from harmonicface.gallery.search.index import LEARNED_AT, Index
+from harmonicface.gallery.search.shelf import Shelf
 from harmonicface.recognition.subspace import unit_photo
 
 SIZE = 64

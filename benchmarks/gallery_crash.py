@@ -20,7 +20,7 @@ import numpy as np
 import harmonicface as hf
 from harmonicface.bench.command_line import run_benchmark
 from harmonicface.bench.measure import Record
-from harmonicface.gallery.checkup import checkup
+from harmonicface.gallery.disk.checkup import checkup
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import NAME
 

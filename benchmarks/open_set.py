@@ -26,7 +26,7 @@ from harmonicface.bench.yale_b import enrolled_people
 from harmonicface.bench.yale_contenders import ClassifierContender
 from harmonicface.datasets.yale_b import YalePerson, load_yale_b
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.gallery.second_look import SecondLook, second_look
+from harmonicface.gallery.looks.second_look import SecondLook, second_look
 from harmonicface.recognition.identification import OpenSet, identification_curve, open_set
 from harmonicface.recognition.intervals import rate
 

@@ -21,9 +21,9 @@ from harmonicface.bench.peers import stopwatch_of
 from harmonicface.bench.tiers import TIERS, Tier, gallery_lights
 from harmonicface.bench.timing import UNTIMED, Timing
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.disk.storage import DEFAULT_MODEL
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.recall import missed_by_stage_one
-from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.lighting.light import Light
 from harmonicface.recognition.intervals import Rate
 from harmonicface.surfaces.surface import Surface

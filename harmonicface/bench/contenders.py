@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.disk.storage import DEFAULT_MODEL
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.recognition.baselines import BASELINES, Baseline, baseline
 from harmonicface.recognition.displaced import ShiftSearch
 from harmonicface.recognition.models import SUBSPACE_MODELS, subspace_model

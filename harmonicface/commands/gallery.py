@@ -16,12 +16,12 @@ from harmonicface.bench.console import progress
 from harmonicface.bench.spelling import spelled_bytes
 from harmonicface.commands.options import AsJson
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.checkup import checkup, discard
+from harmonicface.gallery.disk.checkup import checkup, discard
+from harmonicface.gallery.disk.inventory import Inventory, inventory
+from harmonicface.gallery.disk.paths import is_folder
+from harmonicface.gallery.disk.storage import DEFAULT_MODEL
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.gallery.inventory import Inventory, inventory
 from harmonicface.gallery.names import checked_name
-from harmonicface.gallery.paths import is_folder
-from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.io.files import alone_in
 from harmonicface.store.part import Damage
 

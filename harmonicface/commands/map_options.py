@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.sources import MeshView, read_surface
+from harmonicface.gallery.enrolled.sources import MeshView, read_surface
 from harmonicface.io.depth_maps import read_depth_map
 from harmonicface.io.images import read_image
 from harmonicface.surfaces.depth import surface_from_depth

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.sources import MeshView
+from harmonicface.gallery.enrolled.sources import MeshView
 
 Source = Annotated[
     Path,

@@ -24,10 +24,10 @@ from harmonicface.commands.options import (
     view,
 )
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.disk.paths import is_file, is_free
+from harmonicface.gallery.enrolled.sources import read_face, read_lamps, read_mask, read_source
 from harmonicface.gallery.gallery import Gallery
 from harmonicface.gallery.match import Match
-from harmonicface.gallery.paths import is_file, is_free
-from harmonicface.gallery.sources import read_face, read_lamps, read_mask, read_source
 from harmonicface.io.files import alone_in
 from harmonicface.io.images import read_image
 from harmonicface.recognition.detection import FaceBox

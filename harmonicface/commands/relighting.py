@@ -36,7 +36,7 @@ from harmonicface.commands.options import (
     view,
 )
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.sources import MeshView
+from harmonicface.gallery.enrolled.sources import MeshView
 from harmonicface.io.colour import luminance
 from harmonicface.io.images import WRITTEN, read_image, write_image
 from harmonicface.lighting.environment import EnvironmentMap

@@ -21,7 +21,7 @@ from harmonicface.commands.options import AsJson, Transfer, numbers
 from harmonicface.datasets.chrome_ball import mask_in
 from harmonicface.datasets.photographs import Photographs, opened_photographs, photograph_files
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.sources import read_mask
+from harmonicface.gallery.enrolled.sources import read_mask
 from harmonicface.stereo.bright_part import bright_part
 from harmonicface.stereo.colour import balance, with_colours
 from harmonicface.stereo.motion import displacement, resample

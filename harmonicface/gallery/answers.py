@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface._validate import Floats
-from harmonicface.gallery.enrolment import WITH_GEOMETRY
-from harmonicface.gallery.explanation import Evidence, named, unknown
+from harmonicface.gallery.enrolled.enrolment import WITH_GEOMETRY
+from harmonicface.gallery.enrolled.people import People
+from harmonicface.gallery.looks.explanation import Evidence, named, unknown
+from harmonicface.gallery.looks.registered import looked_at, registered_look
+from harmonicface.gallery.looks.whereabouts import Whereabouts
 from harmonicface.gallery.match import INTENSITIES, PATTERNS, Candidate, Match, Search, SearchScores
-from harmonicface.gallery.people import People
-from harmonicface.gallery.ranking import distance as distance_of
-from harmonicface.gallery.ranking import rank, shortlist
-from harmonicface.gallery.registered import looked_at, registered_look
 from harmonicface.gallery.rule import Rule
 from harmonicface.gallery.search.cascade import Found
-from harmonicface.gallery.whereabouts import Whereabouts
+from harmonicface.gallery.search.ranking import distance as distance_of
+from harmonicface.gallery.search.ranking import rank, shortlist
 from harmonicface.recognition.subspace import unit_photo
 
 FEWEST_LEVELS = 8  # three bits: photographs that are as good as unlit have six or seven, the next darkest of Yale B 22

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.enrolment import WITH_GEOMETRY
+from harmonicface.gallery.enrolled.enrolment import WITH_GEOMETRY
 from harmonicface.lighting.lights import directional
 from harmonicface.recognition.intervals import Rate, rate
 from harmonicface.recognition.strangers import Strangers

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.disk.storage import DEFAULT_MODEL
 from harmonicface.gallery.gallery import Gallery
-from harmonicface.gallery.storage import DEFAULT_MODEL
 from harmonicface.recognition.estimators.base import Codes, FaceClassifier
 from harmonicface.recognition.estimators.image_table import as_images
 

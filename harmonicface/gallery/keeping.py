@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Self
 from numpy.typing import ArrayLike
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery import storage
-from harmonicface.gallery.enrolment import Model
+from harmonicface.gallery.disk import storage
+from harmonicface.gallery.disk.layout import DTYPES
+from harmonicface.gallery.disk.paths import PathLike, is_file, is_folder, is_free, is_same
+from harmonicface.gallery.disk.saving import checked_dtype, save_file, save_folder
+from harmonicface.gallery.disk.staging import is_url, refuse_writing, staged
+from harmonicface.gallery.disk.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
+from harmonicface.gallery.enrolled.enrolment import Model
+from harmonicface.gallery.enrolled.people_in_folder import PeopleInFolder
+from harmonicface.gallery.enrolled.people_in_memory import PeopleInMemory
 from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.layout import DTYPES
-from harmonicface.gallery.paths import PathLike, is_file, is_folder, is_free, is_same
-from harmonicface.gallery.people_in_folder import PeopleInFolder
-from harmonicface.gallery.people_in_memory import PeopleInMemory
 from harmonicface.gallery.roll import Roll
 from harmonicface.gallery.rule import DEFAULT_MARGIN, Rule
-from harmonicface.gallery.saving import checked_dtype, save_file, save_folder
-from harmonicface.gallery.staging import is_url, refuse_writing, staged
-from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
 from harmonicface.recognition.models import SUBSPACE_MODELS, WITH_DEPTH, harmonic9
 from harmonicface.store.part import Damage
 

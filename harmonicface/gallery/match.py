@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.explanation import Evidence, Explanation
+from harmonicface.gallery.looks.explanation import Evidence, Explanation
 from harmonicface.lighting.light import HarmonicLight
 from harmonicface.recognition.placement import Placement
 

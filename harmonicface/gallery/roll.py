@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from harmonicface import _validate
 from harmonicface._validate import Floats
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.enrolment import Enrolment, Model, enrolment_of
-from harmonicface.gallery.index import LEARNED_AT
+from harmonicface.gallery.enrolled.enrolment import Enrolment, Model, enrolment_of
+from harmonicface.gallery.enrolled.people import People
+from harmonicface.gallery.enrolled.promised import Promise
 from harmonicface.gallery.names import checked_name
-from harmonicface.gallery.people import People
-from harmonicface.gallery.promised import Promise
+from harmonicface.gallery.search.index import LEARNED_AT
 from harmonicface.surfaces.surface import Surface
 
 PIECE = 1 << 27  # bytes of people who are written together

@@ -6,7 +6,7 @@ import numpy as np
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
+from harmonicface.gallery.disk.storage import DEFAULT_MODEL, DEFAULT_SHORTLIST
 from harmonicface.recognition.models import SUBSPACE_MODELS
 
 FARTHEST = 0.5  # beyond it a quarter of the photograph's energy is nobody's

@@ -19,7 +19,7 @@ import pytest
 
 import harmonicface as hf
 from harmonicface.errors import HarmonicFaceError
-from harmonicface.gallery.checkup import checkup
+from harmonicface.gallery.disk.checkup import checkup
 from harmonicface.store import writing
 from harmonicface.store.batch import Batch
 from harmonicface.store.entry import Entry

@@ -16,13 +16,14 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import harmonicface as hf
-from harmonicface.gallery import people_in_version, roll
-from harmonicface.gallery.enrolment import Enrolment, Model, enrolment_of
+from harmonicface.gallery import roll
+from harmonicface.gallery.disk.layout import About, check_rows
+from harmonicface.gallery.enrolled import people_in_version
+from harmonicface.gallery.enrolled.enrolment import Enrolment, Model, enrolment_of
+from harmonicface.gallery.enrolled.people_in_folder import PeopleInFolder
 from harmonicface.gallery.frame import Frame
-from harmonicface.gallery.layout import About, check_rows
-from harmonicface.gallery.people_in_folder import PeopleInFolder
 from harmonicface.gallery.rule import Rule
-from harmonicface.gallery.shelf import Shelf
+from harmonicface.gallery.search.shelf import Shelf
 from harmonicface.store.entry import Entry
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import Manifest
@@ -387,7 +388,7 @@ def test_opening_reads_no_rows(path: Path, kept: hf.Gallery, monkeypatch: pytest
     for what in ("entry", "find", "key"):
         monkeypatch.setattr(f"harmonicface.store.part.Part.{what}", None)
     monkeypatch.setattr("harmonicface.store.shard.Shard.directory", None)
-    monkeypatch.setattr("harmonicface.gallery.people_in_version.SharedBasis", None)
+    monkeypatch.setattr("harmonicface.gallery.enrolled.people_in_version.SharedBasis", None)
     assert len(hf.Gallery.open(path)) == 4
 
 

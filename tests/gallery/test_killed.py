@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import harmonicface as hf
-from harmonicface.gallery.checkup import checkup
+from harmonicface.gallery.disk.checkup import checkup
 from harmonicface.store.folder import ArrayFolder
 from harmonicface.store.manifest import NAME
 

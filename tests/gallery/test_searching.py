@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import harmonicface as hf
-from harmonicface.gallery import people as gallery_people
+from harmonicface.gallery.enrolled import people as gallery_people
+from harmonicface.gallery.enrolled.people_in_folder import PeopleInFolder
 from harmonicface.gallery.match import Match
-from harmonicface.gallery.people_in_folder import PeopleInFolder
 
 SIZE = 24
 MODELS = ("default", "harmonic9")
