@@ -33,7 +33,8 @@ class Gallery(Keeping):
         people are looked for displaced by up to 10 of 96 rows, turned or grown by up to 10 degrees or percent, and the
         photograph is compared once more as seen from there (`registered_look`). Or a projection alone, by what spans
         the pictures of a Surface: "harmonic9" (nine images), "harmonic_shadowed", "ambient4", "linear3",
-        "nine_points_simulated".
+        "nine_points_simulated", "pca3", "pca5" and "pca_auto" (analytic principal components under lamps in front), or
+        "auto": as few of these as natural light takes of each person (`choose_model`).
     mask
         (h, w) booleans: the pixels that are compared. By default all pixels of the first person enrolled. Where
         photographs have a background, leave it out of the mask; outside a person's own mask her images are 0.
