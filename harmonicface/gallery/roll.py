@@ -149,9 +149,9 @@ class Roll:
         """Learn anew what a search without reading everybody needs, as happens by itself at the 1000th person.
 
         A shared basis is learned from a sample of the people, and everybody is sketched in it. Answers are the same
-        with any basis and with none; a gallery that has grown far beyond its sample becomes faster, for lists most of all,
-        with a sample of some 4,000. In a folder everything is written anew and switched to at once, which needs as much
-        free space as it takes.
+        with any basis and with none; a gallery that has grown far beyond its sample becomes faster with one of some
+        4,000, most of all where several people are asked for. In a folder everything is written anew and switched to at
+        once, which needs as much free space as it takes.
 
         Parameters
         ----------
