@@ -143,7 +143,7 @@ def solved(factors: Factors, noise: float | None, ridge: float | None, dropping:
     values = np.asarray(np.linalg.svd(factors.triangle[:, :k], compute_uv=False), np.float64)
     values = np.concatenate([values, np.zeros(k - len(values))])  # fewer pixels than modes
     rank = int((values > RANK * values[0]).sum())
-    sigma = _noise(factors, k) if noise is None else float(noise)
+    sigma, freedom = _noise(factors, k) if noise is None else (float(noise), np.inf)
     first = float(np.linalg.norm(factors.triangle[:, 0]))  # of the ambient light's image
     ambient = max(factors.brightness, sigma) / (first / np.sqrt(factors.pixels))
     relative = sigma / ambient if ambient else 0.0
@@ -162,7 +162,6 @@ def solved(factors: Factors, noise: float | None, ridge: float | None, dropping:
     inverse = _inverse(factors.triangle, held, doubt) if held.any() else plain
     cut = directions[:, blind | (squares > CUT**2) if ridge == 0 else blind]  # a ridge too weak for rounding is none
     inverse = _smoothest(decay, cut.T) @ (inverse - cut @ (cut.T @ inverse))
-    freedom = max(factors.pixels - factors.triangle.shape[1], 1) if noise is None else np.inf
     dropped = undetermined(factors.triangle[:, :k], plain, factors.image, sigma, freedom) if dropping else cut[:, :0]
     inverse = inverse - dropped @ (dropped.T @ inverse)
     coefficients = inverse @ factors.image
@@ -223,10 +222,10 @@ def _decay(order: int) -> Array:
     return weight
 
 
-def _noise(factors: Factors, k: int) -> float:
-    """Return a pixel's standard deviation from what no light up to the degrees above the order explains.
+def _noise(factors: Factors, k: int) -> tuple[float, float]:
+    """Return a pixel's standard deviation, and of how many degrees of freedom it is.
 
-    Of few pixels, from what no light of the order explains.
+    It is that of what no light up to the degrees above the order explains; of few pixels, no light of the order.
     """
     for modes in (factors.triangle.shape[1], k):
         left, values, _ = np.linalg.svd(factors.triangle[:, :modes], full_matrices=False)
@@ -234,7 +233,7 @@ def _noise(factors: Factors, k: int) -> float:
         freedom = factors.pixels - left.shape[1]
         if freedom >= 1:
             unexplained = factors.image - left @ (left.T @ factors.image)
-            return float(np.hypot(factors.rest, np.linalg.norm(unexplained)) / np.sqrt(freedom))
+            return float(np.hypot(factors.rest, np.linalg.norm(unexplained)) / np.sqrt(freedom)), freedom
     raise HarmonicFaceError(
         "noise: expected a number, for no more pixels are left than modes to estimate it from; got None"
     )

@@ -361,6 +361,17 @@ def test_auto_is_full_where_all_modes_are_told() -> None:
     assert auto.dropped == ()
 
 
+def test_auto_of_fewer_pixels_than_modes_that_are_fitted_along() -> None:
+    """Their noise is known by the pixels beyond the nine modes, so that what stands far above it is kept."""
+    surface, coefficients = half_sphere(8), np.array([1.0, 0.3, 0.4, -0.3, 0.1, 0.1, 0.2, -0.1, 0.1])
+    assert surface.mask.sum() < 48  # modes up to degree 8 that are reflected
+    photo = hf.render(surface, hf.HarmonicLight(coefficients))
+    photo = photo + 0.002 * np.random.default_rng(0).normal(size=photo.shape)
+    full, auto = (estimate_light(photo, surface, ridge=0, model=model) for model in ("full", "auto"))
+    assert len(auto.dropped) <= 3
+    assert auto.residual < 1.3 * full.residual
+
+
 def test_auto_of_a_coloured_photograph() -> None:
     surface, rng = half_sphere(20), np.random.default_rng(1)
     photo = hf.render(surface, hf.lights.directional([0.3, 0.2, 1], [1.0, 0.8, 0.6]))
