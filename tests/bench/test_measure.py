@@ -73,7 +73,11 @@ def test_the_processor_has_a_name_without_proc(monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the name is read from /proc/cpuinfo, which Linux has")
 def test_a_processor_list_without_names(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Path, "read_text", lambda *_, **__: "model name\t: Analytical Engine: rev 2\n")
+    read, said = Path.read_text, ["model name\t: Analytical Engine: rev 2\n", "bogomips: 1\n"]
+
+    def told(path: Path, *arguments: str, **options: str) -> str:
+        return said.pop(0) if path == Path("/proc/cpuinfo") else read(path, *arguments, **options)
+
+    monkeypatch.setattr(Path, "read_text", told)
     assert machine()["processor"] == "Analytical Engine: rev 2"
-    monkeypatch.setattr(Path, "read_text", lambda *_, **__: "bogomips: 1\n")
     assert machine()["processor"] == (platform.processor() or platform.machine())
