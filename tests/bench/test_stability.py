@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from harmonicface.appearance.principal import analytic_pca
+from harmonicface.appearance.principal_components import PrincipalComponents
+from harmonicface.bench.stability import principal, search, transports
 from harmonicface.bench.stability.plan import FAMILIES, plan
 from harmonicface.bench.stability.row import CONSTANT, Measured, Outcome, Planned, Refused, rounded, unit, verdict_of
 from harmonicface.bench.stability.runner import SOLVED_BY, outcome, outcomes, stability_records, summary
@@ -87,6 +91,8 @@ def test_neighbouring_numbers_are_farther_apart_at_the_end_of_the_range() -> Non
         (2.0, 1.0, "well", "wrong"),
         (np.nan, 1.0, "ill", "wrong"),
         (1.0, np.inf, "well", "wrong"),
+        (0.0, 1.0, "well", "wrong"),  # any answer would do
+        (0.0, 1.0, "ill", "right"),
         (1.0, np.inf, "ill", "right"),
     ],
 )
@@ -113,6 +119,44 @@ def test_exceptions_warnings_and_understatements_are_wrong() -> None:
     assert outcome(WELL, lambda: Measured(1e-3, 1e-4, 1e6)).verdict == "wrong"
     assert outcome(WELL, lambda: Measured(1.0, np.inf, np.inf)).verdict == "wrong"
     assert outcome(WELL, lambda: Measured(1.0, np.inf, None)).verdict == "right"  # a standard error that nobody knows
+
+
+def test_components_that_are_mixed_are_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Orthonormal pictures with the right variances are not the components if they are turned among each other."""
+    cosine, sine = np.cos(0.1), np.sin(0.1)
+
+    def turned(*arguments: object) -> PrincipalComponents:
+        found = analytic_pca(*arguments)  # type: ignore[arg-type]
+        found.components[:2] = np.array([[cosine, sine], [-sine, cosine]]) @ found.components[:2]
+        return found
+
+    ball = Planned("analytic_pca", "a ball", "well")
+    assert outcome(ball, principal.of_principal()[ball.solver, ball.case]).verdict == "right"
+    monkeypatch.setattr(principal, "analytic_pca", turned)
+    assert outcome(ball, principal.of_principal()[ball.solver, ball.case]).verdict == "wrong"
+
+
+def test_somebody_else_at_the_right_distance_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = search.search
+
+    def another(*arguments: object) -> object:
+        found = real(*arguments)  # type: ignore[arg-type]
+        return replace(found, people=tuple((person + 1) % search.PEOPLE for person in found.people))
+
+    crowd = Planned("search", "a crowd", "well")
+    assert outcome(crowd, search.of_search()[crowd.solver, crowd.case]).verdict == "right"
+    monkeypatch.setattr(search, "search", another)
+    assert outcome(crowd, search.of_search()[crowd.solver, crowd.case]).verdict == "wrong"
+
+
+def test_transport_without_shadows_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    dent = Planned("transport of a dent", "times 1e-12", "well")
+    assert outcome(dent, transports.of_transports()[dent.solver, dent.case]).verdict == "right"
+    real = transports.transport
+    monkeypatch.setattr(
+        transports, "transport", lambda surface, order: real(replace(surface, depth=0 * surface.depth), order)
+    )
+    assert outcome(dent, transports.of_transports()[dent.solver, dent.case]).verdict == "wrong"
 
 
 def test_records_and_counts(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,6 +25,11 @@ SPANS = (
     "float32 pictures", "float32, nearly dependent at 1e-04", "float32, times 1e-40 (subnormal)", "one pixel",
 )  # fmt: skip
 
+# Of these no digit is left, by the condition that is reported and true. This was corrected after the first run: the
+# plan had called them well-posed, and any answer would have been right. What is asked of them has not changed.
+FAINT = ("nearly dependent at 1e-14",)
+FAINTER = ("nearly dependent at 1e-12", *FAINT, "float32, nearly dependent at 1e-04")
+
 HARMONICS = (
     *planned(
         "real_harmonics",
@@ -61,12 +66,17 @@ PROJECTION = (
     *planned(
         "Subspace.distance",
         (
-            *SPANS, "a photo in the span", "a photo 1e-05 off the span", "a photo of 1e-300", "a photo of 1e+300",
+            *(case for case in SPANS if case not in FAINT), "a photo in the span",
+            "a photo 1e-05 off the span", "a photo of 1e-300", "a photo of 1e+300",
             "a photo of 1e-310 (subnormal)",
         ),
-        ("pictures of 1e+12 and 1e-12", "black pictures", "a black photo", "NaN"),
+        (*FAINT, "pictures of 1e+12 and 1e-12", "black pictures", "a black photo", "NaN"),
     ),
-    *planned("Subspace.coefficients", SPANS, ("pictures of 1e-310 (subnormal)",)),
+    *planned(
+        "Subspace.coefficients",
+        [case for case in SPANS if case not in FAINTER],
+        (*FAINTER, "pictures of 1e-310 (subnormal)"),
+    ),
     *planned(
         "Subspace.restrict",
         ("half of the pixels", "as many pixels as pictures", "fewer pixels than pictures"),
@@ -206,6 +216,10 @@ SURFACES = (
     ),
     *planned(  # added after the first run, before these rows were run
         "transport of a ball",
+        ("times 1e-12", "times 1e+12", "times 1e-100", "times 1e+100", "upon a height of 1e+06"),
+    ),
+    *planned(  # added as no shadow falls on a wall or a ball, before these rows were run
+        "transport of a dent",
         ("times 1e-12", "times 1e+12", "times 1e-100", "times 1e+100", "upon a height of 1e+06"),
     ),
     *planned(

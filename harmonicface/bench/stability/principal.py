@@ -45,7 +45,7 @@ def _components(
     mask: NDArray[np.bool_] | None = None,
     wanted: int = 8,
 ) -> Measured:
-    """Compare variances with singular values in decimals, and components with orthonormal ones."""
+    """Compare variances with singular values in decimals, and how exact pictures vary along the components."""
     shades = np.full(len(normals), albedo, dtype)
     shades[::2] *= not black
     given = normals.astype(dtype)
@@ -57,8 +57,13 @@ def _components(
     # what was left out must be rounding as well
     off = np.abs(np.pad(found.variances.astype(np.longdouble), (0, len(right) - kept)) - right).max() / right[0]
     condition = float(found.variances[0] / found.variances[-1])
-    turned = float(np.abs(found.components.astype(np.float64) @ found.components.T - np.eye(kept)).max())
+    components = found.components.astype(np.longdouble)
+    turned = float(np.abs(components @ components.T - np.eye(kept)).max())
+    # how the exact pictures vary along the components that were found: apart from each other, each as it should
+    along = pictures @ components.T
+    mixed = float(np.abs(along.T @ along / (4 * exact_harmonics.PI) - np.diag(right[:kept])).max() / right[0])
     note = (
-        "variances, of the largest; components off orthonormal, over the condition: the largest over the last variance"
+        "variances, of the largest; components off orthonormal, and mixed, over the condition: the first over the last"
     )
-    return Measured(max(float(off), turned / condition), CONSTANT * unit(float(right[0]), dtype), condition, note)
+    error = max(float(off), max(turned, mixed) / condition)
+    return Measured(error, CONSTANT * unit(float(right[0]), dtype), condition, note)

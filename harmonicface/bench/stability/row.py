@@ -11,7 +11,7 @@ roundings of m equations in n unknowns add up as sqrt(m n) of them do, almost ne
 m = 400 and n = 9, and C = 100. Of solvers that state a standard error it is three of these. A row is *refused* if the
 solver ended in an error of the package, which gives the reason, or said that nothing is determined. All else is
 *wrong*: another exception, a warning, NaN, an error larger than stated, a condition less than half of the true one, or
-an infinite one where the plan says that the problem is well-posed.
+one that leaves not a digit where the plan says that the problem is well-posed.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from harmonicface.bench.measure import Record
 
 CONSTANT = 100.0
 SURE = 3.0  # standard errors
+NO_DIGIT = 1.0  # relative: any number is as good
 UNDERSTATED = 2.0  # how many times too small a condition may be said to be
 SCALES = ("times 1e-12", "times 1e+12")
 Verdict = Literal["right", "refused", "wrong"]
@@ -151,10 +152,10 @@ def verdict_of(error: float, allowed: float, posed: Posed = "well") -> Verdict:
     --------
     >>> verdict_of(1e-15, 1e-14), verdict_of(1e-3, 1e-14), verdict_of(float("nan"), 1.0)
     ('right', 'wrong', 'wrong')
-    >>> verdict_of(0.5, float("inf"), "ill"), verdict_of(0.5, float("inf"), "well")
+    >>> verdict_of(0.5, 2.0, "ill"), verdict_of(0.5, 2.0, "well")
     ('right', 'wrong')
     """
-    return "right" if error <= allowed and (posed == "ill" or np.isfinite(allowed)) else "wrong"
+    return "right" if error <= allowed and (posed == "ill" or allowed < NO_DIGIT) else "wrong"
 
 
 def rounded(

@@ -20,6 +20,7 @@ from harmonicface.bench.stability import (
     projection,
     search,
     surfaces,
+    transports,
 )
 from harmonicface.bench.stability.plan import FAMILIES
 from harmonicface.bench.stability.row import Answers, Measured, Outcome, Planned, Refused, verdict_of
@@ -35,7 +36,11 @@ SOLVED_BY: dict[str, Callable[[], Answers]] = {
     "factorization of photographs": factorization.of_photographs,
     "factorization of light fields": factorization.of_light_fields,
     "integration": integration.of_integration,
-    "surfaces and transport": lambda: {**surfaces.of_surfaces(), **horizons.of_horizons()},
+    "surfaces and transport": lambda: {
+        **surfaces.of_surfaces(),
+        **transports.of_transports(),
+        **horizons.of_horizons(),
+    },
     "analytic principal components": principal.of_principal,
     "search": search.of_search,
     "photographs": photographs.of_photographs,
@@ -105,7 +110,7 @@ def outcome(planned: Planned, answer: Callable[[], Measured | Refused]) -> Outco
     seconds = time.perf_counter() - start
     if isinstance(found, Refused):
         return Outcome(planned, "refused", None, None, None, seconds, found.reason)
-    # a condition may not be infinite where the problem is well-posed; that a standard error is unknown may be true
+    # a condition may not leave no digit where the problem is well-posed; that a standard error is unknown may be true
     strict = planned.posed if found.condition is not None else "ill"
     verdict = verdict_of(found.error, found.allowed, strict)
     return Outcome(planned, verdict, found.error, found.allowed, found.condition, seconds, found.note)
