@@ -196,12 +196,13 @@ class Keeping(Rule, Roll):
     def refresh(self) -> None:
         """See what others have written to the folder since it was opened or written to; in memory nothing changes.
 
-        Threshold, margin and shortlist become those that are kept there.
+        Threshold, margin and shortlist become those that are kept there. What is in object storage is copied again if
+        it is another there than the copy.
 
         Raises
         ------
         HarmonicFaceError
-            The folder is damaged, or another gallery has taken its place.
+            The folder is damaged, another gallery has taken its place, or object storage cannot be read.
         """
         if isinstance(self._people, PeopleInFolder):
             self._people.refresh()

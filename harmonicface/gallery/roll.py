@@ -110,7 +110,7 @@ class Roll:
         Raises
         ------
         HarmonicFaceError
-            As `enroll`, and a file that cannot be read.
+            As `enroll`, a file that cannot be read, or something else than pairs of a name and a source.
 
         Examples
         --------
@@ -124,7 +124,7 @@ class Roll:
         done = nbytes = 0
 
         def sources() -> Iterator[Promise]:
-            for name, source in people:
+            for name, source in _pairs(people):
                 self._refuse_known(checked_name(name))
                 if name in coming or name in piece:
                     raise HarmonicFaceError(f"name: expected everybody once, got {name!r} twice")
@@ -175,7 +175,7 @@ class Roll:
         Raises
         ------
         HarmonicFaceError
-            Nobody of such a name is in the gallery, the same name twice, or no names.
+            Nobody of such a name is in the gallery, the same name twice, or something else than names.
         """
         wanted = list(names) if isinstance(names, Iterable) and not isinstance(names, str) else [names]
         if not all(isinstance(name, str) for name in wanted):
@@ -235,3 +235,13 @@ class Roll:
         """
         subspace, frame = self._people.subspace(self._people.place(name)), self._people.frame
         return frame.picture(subspace.nearest(frame.take(photo, "photo")))
+
+
+def _pairs(people: Iterable[tuple[str, Promise]]) -> Iterator[tuple[str, Promise]]:
+    """Yield names and sources; a text of two letters is no pair, as the names in a dictionary would be."""
+    if not isinstance(people, Iterable):
+        raise HarmonicFaceError(f"people: expected pairs of a name and a source, got {_validate.describe(people)}")
+    for pair in people:
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise HarmonicFaceError(f"people: expected pairs of a name and a source, got {_validate.describe(pair)}")
+        yield pair[0], pair[1]

@@ -336,6 +336,7 @@ def test_a_gallery_on_object_storage_is_only_read(
     assert gallery.path == next((tmp_path / "copies").iterdir())
     assert gallery.match(PHOTO).candidates == kept.match(PHOTO).candidates
     assert gallery.verify() == ()
+    monkeypatch.setattr(PeopleInFolder, "learned", None)  # what is refused is not worked for
     for write in (
         lambda: gallery.enroll("mary", PEOPLE["ada"]),
         lambda: gallery.remove("ada"),
@@ -347,6 +348,30 @@ def test_a_gallery_on_object_storage_is_only_read(
         with pytest.raises(hf.HarmonicFaceError, match=r"expected a folder on a POSIX file system, .* only read"):
             write()
     assert hf.Gallery.open(path).names == gallery.names == tuple(PEOPLE)
+
+
+def test_a_gallery_on_object_storage_is_copied_again_when_it_has_changed(
+    path: Path, kept: hf.Gallery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("fsspec")
+    monkeypatch.setenv("HARMONICFACE_CACHE", str(tmp_path / "copies"))
+    gallery = hf.Gallery.open(f"file://{path}")
+    first = gallery.path
+    kept.rename("emmy", "Emmy Noether")
+    with pytest.raises(hf.HarmonicFaceError, match="only read"):
+        gallery.remove("emmy")
+    assert len(list((tmp_path / "copies").iterdir())) == 1  # nothing is copied for what is refused
+    assert gallery.names == tuple(PEOPLE)
+    gallery.refresh()
+    assert gallery.path != first and gallery.names == kept.names
+    assert gallery.match(PHOTO).candidates == kept.match(PHOTO).candidates
+    now = gallery.path
+    gallery.refresh()
+    assert gallery.path == now
+    path.rename(tmp_path / "elsewhere")
+    with pytest.raises(hf.HarmonicFaceError, match="expected a gallery at file://"):
+        gallery.refresh()
+    assert gallery.names == kept.names
 
 
 def test_with_a_client_others_search_and_enrol(path: Path, kept: hf.Gallery, monkeypatch: pytest.MonkeyPatch) -> None:

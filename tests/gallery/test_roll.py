@@ -42,3 +42,19 @@ def test_nobody_is_removed_if_one_cannot_be(gallery, names, reason) -> None:
     with pytest.raises(HarmonicFaceError, match=reason):
         gallery.remove(names)
     assert gallery.names == NAMES
+
+
+@pytest.mark.parametrize(
+    ("people", "got"),
+    [
+        (lambda: 3, "int 3"),
+        (lambda: [("eve", PEOPLE[0]), PEOPLE[1]], "Surface "),
+        (lambda: [("eve", PEOPLE[0]), ("mary", PEOPLE[1], PEOPLE[2])], "tuple "),
+        (lambda: {"ab": PEOPLE[0]}, "str 'ab'"),
+    ],
+)
+def test_what_is_no_pair_is_not_enrolled(gallery, people, got) -> None:
+    with pytest.raises(HarmonicFaceError, match=f"people: expected pairs of a name and a source, got {got}"):
+        gallery.enroll_many(people())
+    before = ("eve",) if isinstance(people(), list) else ()
+    assert gallery.names == NAMES + before

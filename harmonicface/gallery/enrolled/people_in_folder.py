@@ -14,7 +14,7 @@ import numpy as np
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.disk.checkup import checkup
 from harmonicface.gallery.disk.layout import BASIS, COEFFICIENTS, MASK, ROWS, TEMPLATE, About, entries_of
-from harmonicface.gallery.disk.staging import refuse_writing
+from harmonicface.gallery.disk.staging import refuse_writing, staged
 from harmonicface.gallery.enrolled.enrolment import Enrolment
 from harmonicface.gallery.enrolled.people_in_version import PeopleInVersion
 from harmonicface.gallery.frame import Frame
@@ -70,18 +70,19 @@ class PeopleInFolder(PeopleInVersion):
 
     def learn(self, sample: int, seed: int) -> None:
         """Learn a shared basis from so many of the people, and write everybody anew with a sketch in it."""
-        self.refresh()
+        self._look()
+        folder = self.folder  # refused before anything is learned
         index = self.learned(sample, seed)
         about = replace(self.about, stops=index.stops, sample=index.sample)
         common = {MASK: self.frame.mask, BASIS: index.basis.rows}
-        self.folder.revise(partial(_sketched, index), about.kinds(self.frame), about.words(), common)
-        self.refresh()
+        folder.revise(partial(_sketched, index), about.kinds(self.frame), about.words(), common)
+        self._look()
 
     def add(self, people: Sequence[tuple[str, Enrolment]]) -> None:
         """Add people, durably and at once."""
         while not self._added(people):  # somebody has made the folder, or learned another shared basis, meanwhile
-            self.refresh()
-        self.refresh()
+            self._look()
+        self._look()
         if not self.damaged:  # nothing is written anew beside what is damaged
             self.learn_in_time()
 
@@ -109,29 +110,29 @@ class PeopleInFolder(PeopleInVersion):
         entries = entries_of(people, self.about.dtype, None)
         make_whole(self.path, entries, self.about.kinds(frame), self.about.words(), {MASK: frame.mask})
         self._folder = ArrayFolder(self.path)
-        self.refresh()
+        self._look()
 
     def remove(self, names: Sequence[str]) -> None:
         """Take people out, durably and at once."""
-        self.refresh()
+        self._look()
         for name in names:
             self.place(name)
         self.folder.remove(names)
-        self.refresh()
+        self._look()
 
     def rename(self, old: str, new: str) -> None:
         """Give a person another name, durably."""
-        self.refresh()
+        self._look()
         self.place(old)
         self.folder.rename(old, new)
-        self.refresh()
+        self._look()
 
     def describe(self) -> None:
         """Keep the gallery's rule as it is now."""
-        self.refresh()
+        self._look()
         about = About.of(self.rule, self.about.dtype)
         self.folder.describe(replace(about, stops=self.about.stops, sample=self.about.sample).words())
-        self.refresh()
+        self._look()
 
     def verify(self) -> tuple[Damage, ...]:
         """Read everything; say what is damaged, or not what a gallery holds."""
@@ -142,17 +143,26 @@ class PeopleInFolder(PeopleInVersion):
     def compact(self) -> int:
         """Write the files anew without what was removed."""
         freed = self.folder.compact()
-        self.refresh()
+        self._look()
         return freed
 
     def refresh(self) -> None:
-        """Look at the folder as it is now.
+        """Look at the folder as it is now; one in object storage is copied again if it is another there.
 
         Raises
         ------
         HarmonicFaceError
-            Another gallery has taken its place.
+            Another gallery has taken its place; what is in object storage cannot be copied.
         """
+        if self.url is not None and (copy := staged(self.url)) != self.path:
+            version = _version(folder := ArrayFolder(copy))
+            self.take(version, About.read(version, str(copy)))
+            self.path, self._folder = copy, folder
+        else:
+            self._look()
+
+    def _look(self) -> None:
+        """Look at the folder on this machine as it is now."""
         if self._folder is None:
             return
         version = _version(self._folder)
