@@ -12,6 +12,7 @@ from harmonicface.gallery.search import bound
 from harmonicface.gallery.search.crowd import Array, Company, Indices
 from harmonicface.gallery.search.limit import Limit
 from harmonicface.gallery.search.pixels import Pixels
+from harmonicface.gallery.search.products import products
 from harmonicface.gallery.search.shared_basis import Question, SharedBasis
 from harmonicface.gallery.search.sketch import form_columns
 
@@ -123,7 +124,7 @@ def search_many(
     limits = _limits(companies, pixels, units, top, distance)
     count = form_columns(stops)
     asked = bound.features(question.coordinates(count), question.left(count))
-    everybody = [company.forms.T @ asked for company in companies]
+    everybody = [products(company.forms.T, asked) for company in companies]
     if top is not None:
         _foresee(companies, everybody, question, limits, top)
     closeness = _needed(limits)
@@ -217,12 +218,12 @@ def _examine(suspects: Sequence[Suspects], limits: Sequence[Limit], pixels: Pixe
     people = np.concatenate([some.company.people[some.chosen] for some in suspects])
     bounds = np.concatenate([np.where(some.kept, some.bounds, -np.inf) for some in suspects])
     single, needed = units.astype(np.float32), _needed(limits)
-    best = bounds.max(axis=1)
+    best, least = bounds.max(axis=1), needed.min()
     for index in np.argsort(-best, kind="stable").tolist():
-        if best[index] < needed.min():
+        if best[index] < least:
             break
         person = int(people[index])
-        reaching = np.flatnonzero(bounds[index] >= needed).tolist()
+        reaching = (bounds[index] >= needed).nonzero()[0].tolist()
         asked = [number for number in reaching if person not in limits[number].measured]
         if not asked:
             continue
@@ -231,6 +232,7 @@ def _examine(suspects: Sequence[Suspects], limits: Sequence[Limit], pixels: Pixe
             if reached >= limits[number].closeness:
                 limits[number].measure(person)
                 needed[number] = _needed(limits[number : number + 1])[0]
+                least = needed.min()
 
 
 def _answered(limit: Limit, survivors: Sequence[int]) -> Found:

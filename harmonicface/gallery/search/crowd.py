@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.search.gathered import Gathered
+from harmonicface.gallery.search.products import products
 from harmonicface.gallery.search.sketch import Sketch
 
 Array = NDArray[np.float32]
@@ -91,11 +92,11 @@ class Company:
             taken = np.take(numbers, some, axis=0, out=copied[: len(some)], mode="clip")
         else:
             taken = numbers[some]
-        products = (taken.reshape(-1, taken.shape[2]) @ coordinates).reshape(len(taken), self.rank, -1)
-        if products.shape[2] == 1:
-            squares = np.einsum("nr,nr->n", products[:, :, 0], products[:, :, 0])[:, None]
+        seen = products(taken, coordinates)
+        if seen.shape[2] == 1:
+            squares = np.einsum("nr,nr->n", seen[:, :, 0], seen[:, :, 0])[:, None]
         else:
-            squares = np.einsum("nrq,nrq->nq", products, products)
+            squares = np.einsum("nrq,nrq->nq", seen, seen)
         return np.asarray(squares[some - first] if together and len(squares) > len(some) else squares)
 
 

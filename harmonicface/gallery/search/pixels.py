@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from harmonicface.gallery.search.products import products
 from harmonicface.recognition.subspace import Subspace
 
 SINGLE = 2.0**-24
@@ -40,8 +41,8 @@ class Pixels:
         |Q Q^T - I| <= d make |Q y| at least \sqrt{1 - d} times as long as with orthonormal rows.
         """
         rows = np.asarray(self.rows(person), np.float32)
-        products = (units @ rows.T).astype(np.float64)
-        lengths = np.sqrt(np.einsum("qr,qr->q", products, products)) + 1.01 * self._rounding * math.sqrt(len(rows))
+        seen = products(rows, units.T).astype(np.float64)
+        lengths = np.sqrt(np.einsum("rq,rq->q", seen, seen)) + 1.01 * self._rounding * math.sqrt(len(rows))
         return np.asarray(np.square(lengths) * ((1 + 1e-12) / (1 - float(self.defects[person]))))
 
     @cached_property

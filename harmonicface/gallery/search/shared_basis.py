@@ -12,6 +12,7 @@ from sklearn.utils.extmath import randomized_svd
 
 from harmonicface import _validate
 from harmonicface.errors import HarmonicFaceError
+from harmonicface.gallery.search.products import products
 
 ORTHONORMAL = 1e-7  # how far the rows may be from it; what is left is part of every bound
 UNIT_ROUNDING = 2.0**-53
@@ -145,7 +146,7 @@ class Question:
     def coordinates(self, stop: int) -> NDArray[np.float32]:
         """Return the first `stop` coordinates, (stop, q)."""
         if stop > self._seen:
-            new = self._basis.rows[self._seen : stop] @ self._units
+            new = products(self._basis.rows[self._seen : stop], self._units)
             self._coordinates[self._seen : stop] = new
             self._explained[stop] = self._explained[self._seen] + np.square(new).sum(axis=0)
             self._seen = stop
