@@ -94,12 +94,13 @@ def splits(faces: Sequence[YalePerson], count: int) -> Iterator[tuple[list[YaleP
 def looked(gallery: Gallery, faces: Sequence[YalePerson], one: bool, watch: Stopwatch) -> list[Look]:
     """Compare photographs of subsets 1 to 4 with everybody; how alike one person is does not depend on the others."""
     people, found = gallery._people, []
+    portraits = [people.portrait(place) for place in range(len(gallery))]
     for face in faces:
         enrolled = chosen_photographs(face, one)
         for place in np.flatnonzero(face.subsets <= 4):
             photo = face.photographs[place]
             seen = watch.run(
-                lambda photo=photo: second_look(people.photograph(*people.asked(photo, None)), people.portraits)  # type: ignore[misc]
+                lambda photo=photo: second_look(people.photograph(*people.asked(photo, None)), portraits)  # type: ignore[misc]
             )
             found.append(Look(face.number, photo, bool(enrolled[place]), seen))
     return found
@@ -145,9 +146,9 @@ def ours(faces: Sequence[YalePerson], count: int, one: bool, renderings: bool) -
     looks = looked(everybody, faces, one, watch)
     thresholds, promised, matched, off = [], [], np.zeros(4, int), 0.0
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "everybody.gallery"
-        everybody.save(path)
         for seed, (enrolled, unknown) in enumerate(splits(faces, count)):
+            path = Path(folder) / f"{seed}.gallery"  # each its own: who is taken out of a gallery on disk is gone there
+            everybody.save(path)
             gallery = Gallery.open(path)
             for face in unknown:
                 gallery.remove(str(face.number))

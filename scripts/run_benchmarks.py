@@ -23,6 +23,7 @@ IN_FULL = (  # within about a minute and a half each on two cores; the others ta
     "inverse_light",
     "match",
     "materials",
+    "principal",
     "stereo",
 )
 
