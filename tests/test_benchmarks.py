@@ -16,6 +16,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / "benchmarks").glob("*.py"))
 FIELDS_OF_PEERS = {"peer", "peer_seconds"}
+NAMING = {"call", "name", "peer", "peer_seconds", "versions"}  # of a record or a timing that is there
 BEFORE_PEERS = 5  # name, size, seconds, error, bytes
 BEFORE_SEED = 2  # records, json
 PRINTERS = {"argparse.ArgumentParser", "print_records", "write_records", "print_table"}
@@ -41,6 +42,20 @@ def test_a_peer_comes_with_its_time_from_the_call_that_was_timed(path: Path) -> 
             assert None not in {keyword.arg for keyword in call.keywords}, f"line {call.lineno}: Record(**...)"
         if name.rpartition(".")[2] == "Timing":
             pytest.fail(f"line {call.lineno}: a Timing is made by timing, not by hand")
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_what_was_timed_keeps_its_name(path: Path) -> None:
+    """Neither is a name given to what is timed already, nor do `Record` and `Timing` go by another name."""
+    tree = parsed(path)
+    for name, call in names_called(tree):
+        if name.rpartition(".")[2] in ("replace", "setattr", "__setattr__"):
+            given = {keyword.arg for keyword in call.keywords} | {ast.unparse(each) for each in call.args[1:2]}
+            assert not {one for one in given if one is not None and one.strip("'") in NAMING}, f"line {call.lineno}"
+    renamed = [
+        each for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for each in node.names if each.asname
+    ]
+    assert not [each.name for each in renamed if each.name in ("Record", "Timing", "replace", "record")]
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 
 import cv2
 import numpy as np
@@ -68,6 +68,13 @@ def test_what_is_called_by_a_helper_is_seen() -> None:
 def test_a_row_cannot_name_what_it_does_not_call(measured: Function) -> None:
     with pytest.raises(hf.HarmonicFaceError, match=r"nnls: expected a call of scipy\.optimize\.nnls, got none"):
         measured(Call(not_by_nnls, nnls))
+
+
+def test_an_answer_that_is_remembered_is_found_out() -> None:
+    """The first call is that of the peer, the others look its answer up."""
+    remembered = cache(by_nnls)
+    with pytest.raises(hf.HarmonicFaceError, match=r"nnls: expected a call of scipy\.optimize\.nnls, got none"):
+        best(Call(lambda: remembered(), nnls))
 
 
 def test_all_that_is_named_is_to_be_called() -> None:
