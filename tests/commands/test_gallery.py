@@ -135,8 +135,9 @@ def test_what_is_no_gallery(refused, tmp_path) -> None:
     for command in ("info", "compact"):
         for name in ("none", "file", "folder", "a" * 300):
             assert "expected" in refused(command, tmp_path / name)
-    for name in ("none", "folder"):
-        assert "expected" in refused("verify", tmp_path / name)
+    for name, got in (("none", "none"), ("folder", "a folder that is none")):
+        for command in ("info", "verify"):
+            assert f"expected a gallery at {tmp_path / name}, got {got}" in refused(command, tmp_path / name)
         assert "expected" in refused("export", tmp_path / name, tmp_path / "out")
         assert "expected" in refused("rename", tmp_path / name, "ada", "emmy")
         assert "expected" in refused("remove", tmp_path / name, "ada")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from harmonicface.errors import HarmonicFaceError
 from harmonicface.gallery.disk import layout, storage
-from harmonicface.gallery.disk.paths import is_folder
+from harmonicface.gallery.disk.paths import is_folder, refuse_nothing
 from harmonicface.gallery.disk.sketch_check import check_sketch
 from harmonicface.gallery.frame import Frame
 from harmonicface.gallery.search.shared_basis import SharedBasis
@@ -59,6 +59,7 @@ def checkup(path: str | os.PathLike[str], tell: Tell = lambda *_: None) -> tuple
     ...     checkup(place + "/people")
     ()
     """
+    refuse_nothing(path)
     place = Path(path)
     try:
         if is_folder(place):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harmonicface.gallery.disk import layout, storage
-from harmonicface.gallery.disk.paths import is_folder
+from harmonicface.gallery.disk.paths import is_folder, refuse_nothing
 from harmonicface.gallery.search.packing import DOUBTS
 from harmonicface.store.archive import read_about
 from harmonicface.store.manifest import NAME
@@ -114,6 +114,7 @@ def inventory(path: str | os.PathLike[str]) -> Inventory:
     >>> found.people, found.rows, found.shape, found.dtype, found.shards
     (1, 9, (24, 24), 'float32', 1)
     """
+    refuse_nothing(path)
     place = Path(path)
     return _of_folder(place, opened(place, {}, leave_out_damaged=True)) if is_folder(place) else _of_file(place)
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from harmonicface.errors import HarmonicFaceError
+from harmonicface.store.manifest import NAME
+
 PathLike = str | os.PathLike[str]
 
 
@@ -39,3 +42,17 @@ def is_same(one: PathLike, other: PathLike) -> bool:
         return Path(one).exists() and Path(other).exists() and Path(one).samefile(other)
     except (OSError, ValueError):
         return False
+
+
+def refuse_nothing(path: PathLike) -> None:
+    """Refuse a path at which nothing is, or a folder that is no gallery.
+
+    Raises
+    ------
+    HarmonicFaceError
+        It is such a path.
+    """
+    if not os.path.lexists(path):
+        raise HarmonicFaceError(f"expected a gallery at {path!s:.300}, got none")
+    if is_folder(path) and not os.path.lexists(Path(path) / NAME):
+        raise HarmonicFaceError(f"expected a gallery at {path!s:.300}, got a folder that is none")
