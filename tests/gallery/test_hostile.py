@@ -154,6 +154,7 @@ ATTACKS: dict[str, Attack] = {
     "another dtype": lambda path: about(path, dtype="float64"),
     "the other dtype": lambda path: about(path, dtype="float16"),
     "stages without a basis": lambda path: about(path, stops=[16, 32]),
+    "a basis of fewer people than none": lambda path: about(path, sample=-1),
     "stages of terabytes": lambda path: about(path, stops=[2**62]),
     "no words": lambda path: rewrite(path, lambda content: content.update(about={})),
     "a mask of numbers": lambda path: common(path, mask=np.ones((24, 24))),

@@ -120,6 +120,7 @@ class About:
             and all(type(stop) is int and stop > 0 for stop in stops)
             and stops == sorted(set(stops))
             and type(self.sample) is int
+            and self.sample >= 0
             and set(version.common) == ({MASK, BASIS} if stops else {MASK})
             and version.kinds == self.kinds(Frame.of(mask))
         )
