@@ -77,7 +77,16 @@ def test_errors_on_real_photographs_are_those_of_the_command(data_dir: Path) -> 
         names, *errors = line.replace("*", "").strip("| ").split(" | ")
         if len(errors) == 6:
             rows |= dict.fromkeys(names.split(", "), errors[:5])
-    quick = ["correlation", "eigenfaces", "eigenfaces_minus3", "fisherfaces", "linear3", "ambient4", "harmonic9"]
+    quick = [
+        "correlation",
+        "eigenfaces",
+        "eigenfaces_minus3",
+        "fisherfaces",
+        "linear3",
+        "ambient4",
+        "pca3",
+        "harmonic9",
+    ]
     found = evaluate_yale_b(data_dir / "yaleb", range(1, 12), methods=quick).methods
     for name in quick:
         assert rows[name] == [f"{error:.1f}" if error else "0" for error in found[name].error_percent.values()], name
