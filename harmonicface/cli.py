@@ -44,7 +44,10 @@ def main() -> None:
     except HarmonicFaceError as error:
         _refuse(str(error))
     except USAGE_ERROR as error:
-        _refuse(cast(Any, error).format_message())
+        reason = cast(Any, error).format_message()
+        if reason:
+            _refuse(reason)
+        sys.exit(2)  # a group without a command has printed its help
     except (typer.Abort, KeyboardInterrupt):
         sys.exit(130)
 

@@ -101,6 +101,13 @@ def test_what_the_parser_refuses(run: Run, arguments: list[str]) -> None:
     assert answer.err.count("\n") == 1
 
 
+@pytest.mark.parametrize("group", ["gallery", "evaluate"])
+def test_a_group_without_a_command_says_what_there_is(run: Run, group: str) -> None:
+    answer = run(group)
+    assert (answer.code, answer.err) == (2, "")
+    assert "Commands" in answer.out
+
+
 def test_enrolling_and_matching(run: Run, folder: Path, people: Path) -> None:
     assert hf.Gallery.open(people).names == ("ada", "emmy")
     answer = run("match", people, folder / "ada1.png", folder / "emmy1.png")
