@@ -60,7 +60,7 @@ class Crowd:
 
     def people(self) -> Iterator[tuple[str, hf.Surface]]:
         """Yield names and Surfaces."""
-        first = min(LEARNED_AT, self._count)
+        first = min(LEARNED_AT[0], self._count)
         kinds = (morphs(self._pool[:RELATED], first), morphs(self._pool[RELATED:], max(1, self._count - first)))
         number = 0
         for some, behind in zip(kinds, (first, self._count), strict=True):
@@ -122,14 +122,14 @@ def _outgrown(path: Path, pool: list[hf.Surface], count: int) -> Iterator[Record
     """Ask with a basis of the first people's relatives, learn another one of everybody, ask again."""
     size = f"{count} people {SIZE}x{SIZE}"
     gallery = hf.Gallery.open(path)
-    sample = [gallery._people.subspace(place) for place in range(min(LEARNED_AT, count))]
+    sample = [gallery._people.subspace(place) for place in range(min(LEARNED_AT[0], count))]
     learning, index = once(Call(partial(Index.learned, sample, 0)))
     note = f"from {len(sample)} people; bytes: of the basis"
     yield record("learn the shared basis", size, learning, bytes=index.basis.rows.nbytes, note=note)
     units = _photographs(path, pool, count)
     first, found = _asked(path, units)
     again, _ = once(Call(gallery.index))
-    note = f"a sample of {LEARNED_AT} of {count}, everybody sketched and written anew"
+    note = f"a sample of {min(LEARNED_AT[-1], count)} of {count}, everybody sketched and written anew"
     yield record("learn it anew in a folder", size, again, note=note)
     second, others = _asked(path, units)
     wrong = sum(one.people != other.people for one, other in zip(found, others, strict=True))

@@ -145,13 +145,12 @@ class Roll:
                 self._people.add(list(piece.items()))
         return done
 
-    def index(self, people: int = LEARNED_AT, seed: int = 0) -> None:
-        """Learn anew what a search without reading everybody needs, as happens by itself at the 1000th person.
+    def index(self, people: int = LEARNED_AT[-1], seed: int = 0) -> None:
+        """Learn anew what a search without reading everybody needs, as happens by itself at 1,000 and at 4,000 people.
 
         A shared basis is learned from a sample of the people, and everybody is sketched in it. Answers are the same
-        with any basis and with none; a gallery that has grown far beyond its sample becomes faster with one of some
-        4,000, most of all where several people are asked for. In a folder everything is written anew and switched to at
-        once, which needs as much free space as it takes.
+        with any basis and with none. In a folder everything is written anew and switched to at once, which needs as
+        much free space as it takes.
 
         Parameters
         ----------

@@ -136,10 +136,35 @@ def test_any_gallery_any_photograph(ranks: list[int], seed: int, top: int, dista
 
 
 @pytest.mark.parametrize("folder", [False, True])
+def test_a_better_basis_is_learned_when_there_are_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: bool
+) -> None:
+    monkeypatch.setattr(gallery_people, "LEARNED_AT", (6, 12))
+    gallery = hf.Gallery.create(tmp_path / "people", "harmonic9") if folder else hf.Gallery("harmonic9")
+    sources, samples = list(PEOPLE.items()), []
+    for part in (sources[:5], sources[5:11], sources[11:]):
+        gallery.enroll_many(part)  # type: ignore[arg-type]
+        samples.append(None if gallery._people.index is None else gallery._people.index.sample)
+    assert samples == [None, 6, 12]
+    same_answers(gallery, enrolled(hf.Gallery("harmonic9")))
+
+
+def test_a_basis_that_was_asked_for_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gallery_people, "LEARNED_AT", (6, 12))
+    gallery = hf.Gallery("harmonic9")
+    sources = list(PEOPLE.items())
+    gallery.enroll_many(sources[:7])  # type: ignore[arg-type]
+    gallery.index(people=5)
+    gallery.enroll_many(sources[7:])  # type: ignore[arg-type]
+    assert gallery._people.index is not None
+    assert gallery._people.index.sample == 5
+
+
+@pytest.mark.parametrize("folder", [False, True])
 def test_a_basis_is_learned_when_there_are_enough(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: bool
 ) -> None:
-    monkeypatch.setattr(gallery_people, "LEARNED_AT", 12)
+    monkeypatch.setattr(gallery_people, "LEARNED_AT", (12, len(PEOPLE) + 1))
     gallery = hf.Gallery.create(tmp_path / "people", "harmonic9") if folder else hf.Gallery("harmonic9")
     assert gallery.match_many([]) == []
     sources = list(PEOPLE.items())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -155,12 +156,20 @@ class People(ABC):
     @property
     def room(self) -> int | None:
         """How many people may be added before a shared basis is learned; None if that is not ahead."""
-        return None if self.index is not None or len(self) >= LEARNED_AT else LEARNED_AT - len(self)
+        due = self._due
+        return None if due is None or len(self) >= due else due - len(self)
 
     def learn_in_time(self) -> None:
-        """Learn a shared basis when there are enough people and none was learned so far."""
-        if self.index is None and len(self) >= LEARNED_AT:
-            self.learn(LEARNED_AT, 0)
+        """Learn a shared basis when there are enough people for the first, or for a better one."""
+        due = self._due
+        if due is not None and len(self) >= due:
+            self.learn(due, 0)
+
+    @property
+    def _due(self) -> int | None:
+        """At how many people a basis is learned next; None if one was learned of another sample, as somebody asked."""
+        learned = 0 if self.index is None else self.index.sample
+        return dict(pairwise((0, *LEARNED_AT))).get(learned)
 
     def asked(self, photo: ArrayLike, mask: ArrayLike | None) -> tuple[Floats, NDArray[np.bool_]]:
         """Return the compared pixels of a photograph, and which of them are good, (p,) each.
